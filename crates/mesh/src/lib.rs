@@ -1,1 +1,25 @@
-//! mesh
+//! Meshes: typed ids and maps, half-edge connectivity, metric, topology, features, remeshing, repair, shapes.
+//!
+//! In: positions and faces. Out: [`TriMesh`], [`QuadMesh`], [`PolygonMesh`], and what can be asked of them.
+//! Holds: a mesh value is an oriented 2-manifold with boundary; connectivity never reads a position.
+#![warn(missing_docs)]
+
+pub mod connectivity;
+pub mod features;
+pub mod ids;
+pub mod mesh;
+pub mod metric;
+pub mod progress;
+pub mod surface_point;
+
+pub use connectivity::{
+    Connectivity, Defect, FaceShape, Fixed, Mixed, PolygonConnectivity, QuadConnectivity, TriConnectivity,
+};
+pub use features::{ChainId, FeatureChain, FeatureGraph, FeatureKind};
+pub use glam::{DVec2, DVec3};
+pub use ids::{
+    CornerId, CornerMap, EdgeId, EdgeMap, FaceId, FaceMap, HalfEdgeId, HalfEdgeMap, Id, IdMap, VertexId, VertexMap,
+};
+pub use mesh::{Mesh, MeshError, PolygonMesh, QuadMesh, TriMesh};
+pub use progress::{Cancelled, Progress};
+pub use surface_point::SurfacePoint;

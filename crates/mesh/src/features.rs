@@ -1,0 +1,248 @@
+//! Feature curves: sharp edges, boundaries and guides, grouped into chains between corners.
+//!
+//! In: a triangle mesh and the edges that are to be kept. Out: [`FeatureGraph`].
+//! Holds: every feature edge belongs to exactly one chain; chains meet only at corners; a chain without
+//! a corner is closed; ids follow the smallest edge id. Source: [Bommes2012] §8.4, feature line alignment.
+
+use crate::ids::{EdgeId, EdgeMap, VertexId, VertexMap};
+use crate::mesh::TriMesh;
+use crate::metric::dihedral_angle;
+use serde::{Deserialize, Serialize};
+
+/// Number of a chain in [`FeatureGraph::chains`].
+pub type ChainId = u32;
+
+/// Why an edge is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum FeatureKind {
+    /// The edge has one face.
+    Boundary,
+    /// The normals of its faces differ by more than the sharp angle, or a feature file names it.
+    Sharp,
+    /// A user drew a curve along it.
+    Guide,
+}
+
+/// A maximal run of feature edges without a corner inside.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FeatureChain {
+    /// What it is.
+    pub kind: FeatureKind,
+    /// Its vertices in order; a closed chain does not repeat its first vertex.
+    pub vertices: Vec<VertexId>,
+    /// Whether the last vertex is joined to the first one.
+    pub closed: bool,
+}
+
+/// The feature curves of a triangle mesh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FeatureGraph {
+    /// Chain of each edge; `None` for ordinary edges.
+    pub chain_of: EdgeMap<Option<ChainId>>,
+    /// The chains.
+    pub chains: Vec<FeatureChain>,
+    /// Vertices that stay where they are: ends and branches of features, sharp turns, changes of kind.
+    pub is_corner: VertexMap<bool>,
+}
+
+/// How features are found and split.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FeatureOptions {
+    /// Dihedral angle from which an edge is sharp, degrees; `None`: no edge is. Default 35, the custom of the field:
+    /// smaller angles pick up coarse tessellation, larger ones lose chamfers.
+    pub sharp_angle: Option<f64>,
+    /// Turn of a chain from which a vertex is a corner, degrees. Default 50: below it a polygonal circle of eight
+    /// sides stays one smooth chain, above it a hexagon does.
+    pub corner_angle: f64,
+    /// Open sharp chains with two loose ends shorter than this are dropped, file units. Default 0: none is.
+    pub min_loose_length: f64,
+}
+
+impl Default for FeatureOptions {
+    fn default() -> Self {
+        Self { sharp_angle: Some(35.0), corner_angle: 50.0, min_loose_length: 0.0 }
+    }
+}
+
+impl FeatureGraph {
+    /// Finds boundaries and sharp edges.
+    ///
+    /// # Output     the features, and the number of edges in loose chains that were dropped
+    /// # Cost       linear
+    pub fn detect(mesh: &TriMesh, options: &FeatureOptions) -> (Self, usize) {
+        let limit = options.sharp_angle.map_or(f64::INFINITY, f64::to_radians);
+        let kind = EdgeMap::from_fn(mesh.edge_count(), |e| {
+            if mesh.is_boundary_edge(e) {
+                Some(FeatureKind::Boundary)
+            } else {
+                (dihedral_angle(mesh, mesh.half_edge(e)) > limit).then_some(FeatureKind::Sharp)
+            }
+        });
+        Self::from_kinds(mesh, kind, options)
+    }
+
+    /// Groups given feature edges into chains, dropping short loose ones of kind `Sharp`.
+    ///
+    /// # Output     the features, and the number of dropped edges
+    pub fn from_kinds(
+        mesh: &TriMesh,
+        mut kind: EdgeMap<Option<FeatureKind>>,
+        options: &FeatureOptions,
+    ) -> (Self, usize) {
+        let first = Self::group(mesh, &kind, options);
+        let dropped = first.short_loose_edges(mesh, options.min_loose_length);
+        if dropped.is_empty() {
+            return (first, 0);
+        }
+        for &e in &dropped {
+            kind[e] = None;
+        }
+        (Self::group(mesh, &kind, options), dropped.len())
+    }
+
+    /// No feature at all, not even the boundary.
+    pub fn none(mesh: &TriMesh) -> Self {
+        Self {
+            chain_of: EdgeMap::filled(mesh.edge_count(), None),
+            chains: Vec::new(),
+            is_corner: VertexMap::filled(mesh.vertex_count(), false),
+        }
+    }
+
+    /// Whether an edge is a feature.
+    pub fn is_feature(&self, e: EdgeId) -> bool {
+        self.chain_of[e].is_some()
+    }
+
+    /// Whether some feature edge meets each vertex.
+    pub fn feature_vertices(&self, mesh: &TriMesh) -> VertexMap<bool> {
+        let mut on = VertexMap::filled(mesh.vertex_count(), false);
+        for (e, chain) in self.chain_of.iter() {
+            if chain.is_some() {
+                for v in mesh.ends(e) {
+                    on[v] = true;
+                }
+            }
+        }
+        on
+    }
+
+    /// Number of feature edges.
+    pub fn edge_count(&self) -> usize {
+        self.chain_of.values().iter().flatten().count()
+    }
+
+    fn group(mesh: &TriMesh, kind: &EdgeMap<Option<FeatureKind>>, options: &FeatureOptions) -> Self {
+        let mut at: VertexMap<Vec<EdgeId>> = VertexMap::filled(mesh.vertex_count(), Vec::new());
+        for (e, k) in kind.iter() {
+            if k.is_some() {
+                for v in mesh.ends(e) {
+                    at[v].push(e);
+                }
+            }
+        }
+        let cos_turn = options.corner_angle.to_radians().cos();
+        let is_corner = VertexMap::from_fn(mesh.vertex_count(), |v| match at[v][..] {
+            [] => false,
+            [e, g] => {
+                let (p, a, b) = (mesh.position(v), other_end(mesh, e, v), other_end(mesh, g, v));
+                let (i, o) = ((p - mesh.position(a)).normalize_or_zero(), (mesh.position(b) - p).normalize_or_zero());
+                kind[e] != kind[g] || i.dot(o) < cos_turn
+            }
+            _ => true,
+        });
+        let mut graph = Self { chain_of: EdgeMap::filled(mesh.edge_count(), None), chains: Vec::new(), is_corner };
+        // Open chains first, from each corner, so that a chain never starts in its middle; closed ones after.
+        for corners_only in [true, false] {
+            for e in mesh.edges() {
+                let Some(k) = kind[e] else { continue };
+                for start in mesh.ends(e) {
+                    if graph.chain_of[e].is_none() && (!corners_only || graph.is_corner[start]) {
+                        graph.walk(mesh, &at, k, start, e);
+                    }
+                }
+            }
+        }
+        graph
+    }
+
+    fn walk(&mut self, mesh: &TriMesh, at: &VertexMap<Vec<EdgeId>>, kind: FeatureKind, start: VertexId, first: EdgeId) {
+        let id = self.chains.len() as ChainId;
+        let (mut vertices, mut edge, mut closed) = (vec![start], first, false);
+        loop {
+            self.chain_of[edge] = Some(id);
+            let v = other_end(mesh, edge, vertices[vertices.len() - 1]);
+            if v == start {
+                // A loop through one corner is an open chain whose two ends coincide.
+                closed = !self.is_corner[start];
+                if !closed {
+                    vertices.push(v);
+                }
+                break;
+            }
+            vertices.push(v);
+            if self.is_corner[v] {
+                break;
+            }
+            match at[v].iter().find(|&&g| g != edge) {
+                Some(&g) => edge = g,
+                None => break,
+            }
+        }
+        self.chains.push(FeatureChain { kind, vertices, closed });
+    }
+
+    fn short_loose_edges(&self, mesh: &TriMesh, min_length: f64) -> Vec<EdgeId> {
+        // Loose pieces are whole connected components of sharp edges: total length below the limit, and an open end.
+        if min_length <= 0.0 {
+            return Vec::new();
+        }
+        let mut piece: Vec<usize> = (0..self.chains.len()).collect();
+        fn root(piece: &mut [usize], mut i: usize) -> usize {
+            while piece[i] != i {
+                piece[i] = piece[piece[i]];
+                i = piece[i];
+            }
+            i
+        }
+        let mut first_at: VertexMap<Option<usize>> = VertexMap::filled(mesh.vertex_count(), None);
+        let mut ends_at = VertexMap::filled(mesh.vertex_count(), 0u32);
+        for (i, chain) in self.chains.iter().enumerate() {
+            for v in [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]] {
+                ends_at[v] += u32::from(!chain.closed);
+                if let Some(j) = first_at[v] {
+                    let (a, b) = (root(&mut piece, i), root(&mut piece, j));
+                    piece[a.max(b)] = a.min(b);
+                } else {
+                    first_at[v] = Some(i);
+                }
+            }
+        }
+        let mut length = vec![0.0; self.chains.len()];
+        let mut loose = vec![false; self.chains.len()];
+        for (i, chain) in self.chains.iter().enumerate() {
+            let r = root(&mut piece, i);
+            if chain.kind != FeatureKind::Sharp {
+                length[r] = f64::INFINITY;
+            }
+            length[r] +=
+                chain.vertices.windows(2).map(|w| mesh.position(w[0]).distance(mesh.position(w[1]))).sum::<f64>();
+            let ends = [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]];
+            loose[r] |= !chain.closed && ends.iter().any(|&v| ends_at[v] == 1);
+        }
+        mesh.edges()
+            .filter(|&e| {
+                self.chain_of[e].is_some_and(|c| {
+                    let r = root(&mut piece, c as usize);
+                    loose[r] && length[r] < min_length
+                })
+            })
+            .collect()
+    }
+}
+
+/// The end of `e` that is not `v`.
+pub fn other_end(mesh: &TriMesh, e: EdgeId, v: VertexId) -> VertexId {
+    let [a, b] = mesh.ends(e);
+    if a == v { b } else { a }
+}
