@@ -1,1 +1,8 @@
-//! field
+//! Curvature and salient directions, cross fields, singularities, sizing.
+//!
+//! In: a triangle mesh and its features. Out: [`CrossField`], sizes. Source: [Bommes2012] §8.1 to 8.3.
+#![warn(missing_docs)]
+
+pub mod cross_field;
+
+pub use cross_field::CrossField;
