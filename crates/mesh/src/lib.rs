@@ -10,6 +10,7 @@ pub mod ids;
 pub mod mesh;
 pub mod metric;
 pub mod progress;
+pub mod soup;
 pub mod surface_point;
 
 pub use connectivity::{
@@ -22,4 +23,5 @@ pub use ids::{
 };
 pub use mesh::{Mesh, MeshError, PolygonMesh, QuadMesh, TriMesh};
 pub use progress::{Cancelled, Progress};
+pub use soup::FaceSoup;
 pub use surface_point::SurfacePoint;
