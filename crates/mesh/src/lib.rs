@@ -4,15 +4,20 @@
 //! Holds: a mesh value is an oriented 2-manifold with boundary; connectivity never reads a position.
 #![warn(missing_docs)]
 
+pub mod closest;
 pub mod connectivity;
 pub mod features;
+mod heap;
 pub mod ids;
 pub mod mesh;
 pub mod metric;
 pub mod progress;
 pub mod soup;
 pub mod surface_point;
+pub mod topology;
+mod union_find;
 
+pub use closest::{ChainPoint, Closest, ClosestPoint, PolylineIndex};
 pub use connectivity::{
     Connectivity, Defect, FaceShape, Fixed, Mixed, PolygonConnectivity, QuadConnectivity, TriConnectivity,
 };
@@ -25,3 +30,4 @@ pub use mesh::{Mesh, MeshError, PolygonMesh, QuadMesh, TriMesh};
 pub use progress::{Cancelled, Progress};
 pub use soup::FaceSoup;
 pub use surface_point::SurfacePoint;
+pub use topology::Summary;
