@@ -1,2 +1,46 @@
-//! xtask
-fn main() {}
+//! Recipes of the repository: `cargo xtask NAME`. Each check of `.ci/run` and each table of `docs/results` is one.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command-line program")]
+
+mod checks;
+mod eval;
+mod shell;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+cargo xtask NAME
+
+checks      fmt        formatting is rustfmt's
+            clippy     no lint fires
+            citations  every [Key] cited in sources and documents is in docs/bibliography.bib
+            paths      no absolute path of a machine is in the repository
+            docs       documentation builds without a warning
+            test       cargo test --workspace
+            ci         all of them, in this order
+evaluations eval SUITE [--only A,B] [--jobs N] [--binary FILE] [--models DIR] [--timeout SECONDS]
+            suites: tri, irregular, features, distance, speed, threads, nasty, fields, limits, cad";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = args.iter().map(String::as_str).collect();
+    let outcome = match words[..] {
+        ["fmt"] => shell::cargo(&["fmt", "--all", "--check"]),
+        ["clippy"] => shell::cargo(&["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"]),
+        ["citations"] => checks::citations(),
+        ["paths"] => checks::paths(),
+        ["docs"] => checks::docs(),
+        ["test"] => shell::cargo(&["test", "--workspace"]),
+        ["ci"] => ["fmt", "citations", "paths", "clippy", "docs", "test"]
+            .iter()
+            .try_for_each(|recipe| shell::cargo(&["xtask", recipe])),
+        ["eval", suite, ..] => eval::run(suite, &args[2..]),
+        _ => Err(USAGE.into()),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
