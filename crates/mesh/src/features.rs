@@ -115,7 +115,7 @@ impl FeatureGraph {
     }
 
     /// Whether some feature edge meets each vertex.
-    pub fn feature_vertices(&self, mesh: &TriMesh) -> VertexMap<bool> {
+    pub fn feature_vertices(&self, mesh: &crate::connectivity::TriConnectivity) -> VertexMap<bool> {
         let mut on = VertexMap::filled(mesh.vertex_count(), false);
         for (e, chain) in self.chain_of.iter() {
             if chain.is_some() {
