@@ -12,6 +12,7 @@ pub mod ids;
 pub mod mesh;
 pub mod metric;
 pub mod progress;
+pub mod refine;
 pub mod soup;
 pub mod surface_point;
 pub mod topology;
@@ -28,6 +29,7 @@ pub use ids::{
 };
 pub use mesh::{Mesh, MeshError, PolygonMesh, QuadMesh, TriMesh};
 pub use progress::{Cancelled, Progress};
+pub use refine::{Refined, VertexOrigin};
 pub use soup::FaceSoup;
 pub use surface_point::SurfacePoint;
 pub use topology::Summary;

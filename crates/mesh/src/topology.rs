@@ -168,7 +168,7 @@ impl Summary {
 /// Shortest paths in the dual graph from every face to its nearest root.
 ///
 /// # Input      length: cost of crossing each edge, ≥ 0; an infinite one is never crossed.
-///              roots: sources of the search; a face named twice counts once
+/// roots: sources of the search; a face named twice counts once
 /// # Output     one tree per root ([Bommes2012] §8.2: no tree joins two roots)
 /// # Cost       O(F log F)
 /// # Guarantees ties go to the smaller face id
@@ -218,7 +218,7 @@ pub fn dual_forest<S: FaceShape>(mesh: &Connectivity<S>, length: &EdgeMap<f64>, 
 /// # Output     true for cut edges; boundary edges count as cut already and are false
 /// # Cost       O(E log E)
 /// # Guarantees cutting leaves one disk per component; exception: a closed component of genus 0 with at
-///              most one singular vertex needs no cut and stays a sphere
+/// most one singular vertex needs no cut and stays a sphere
 pub fn cut_graph(mesh: &TriConnectivity, cost: &EdgeMap<f64>, singular: &[VertexId]) -> EdgeMap<bool> {
     let mut is_singular = VertexMap::filled(mesh.vertex_count(), false);
     for &v in singular {
