@@ -1,14 +1,18 @@
 //! Curvature and salient directions, cross fields, singularities, sizing.
 //!
-//! In: a triangle mesh and its features. Out: [`CrossField`], sizes. Source: [Bommes2012] §8.1 to 8.3.
+//! In: a triangle mesh and its features. Out: [`CrossField`], [`SizeField`]. Source: [Bommes2012] §8.1 to 8.3, 8.6.
 #![warn(missing_docs)]
 
 pub mod constraints;
 pub mod cross_field;
 pub mod error;
+pub mod sizing;
+mod smoothest;
+mod system;
 pub mod transport;
 
 pub use constraints::{FieldConstraints, SoftDirection};
 pub use cross_field::{CrossField, FieldDefect};
 pub use error::FieldError;
+pub use sizing::SizeField;
 pub use transport::Transport;
