@@ -441,3 +441,107 @@ fn build(boxes: &[Aabb], items: &mut [(DVec3, u32)], first: u32, nodes: &mut Vec
     nodes[place].bounds = bounds;
     bounds
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::features::FeatureOptions;
+    use crate::shapes;
+    use proptest::prelude::*;
+
+    /// Distance to a triangle by a dense search over its barycentric weights: independent, and never too small.
+    fn sampled_distance(corners: &[DVec3; 3], p: DVec3) -> f64 {
+        let n = 60;
+        let mut best = f64::INFINITY;
+        for i in 0..=n {
+            for j in 0..=n - i {
+                let (a, b) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+                best = best.min(combine(corners, [1.0 - a - b, a, b]).distance(p));
+            }
+        }
+        best
+    }
+
+    fn point() -> impl Strategy<Value = DVec3> {
+        [-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64].prop_map(DVec3::from_array)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+        #[test]
+        fn triangle_distance_is_the_smallest(a in point(), b in point(), c in point(), p in point(), kind in 0..5) {
+            let c = match kind { 0 => a, 1 => a.lerp(b, 0.3), 2 => a.lerp(b, 0.3) + c * 1e-12, _ => c };
+            let corners = [a, b, c];
+            let weights = closest_weights(&corners, p);
+            prop_assert!(weights.iter().all(|w| (0.0..=1.0).contains(w)));
+            prop_assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            let (found, sampled) = (combine(&corners, weights).distance(p), sampled_distance(&corners, p));
+            prop_assert!(found <= sampled + 1e-9, "{found} against {sampled}");
+        }
+
+        #[test]
+        fn queries_agree_with_all_faces(p in point(), scale in 0.1..3.0f64, hint in 0u32..320) {
+            let mesh = shapes::with_noise(&shapes::sphere(1.0, 2), 0.1, 5);
+            let index = ClosestPoint::new(&mesh);
+            let p = p * scale;
+            let brute = mesh
+                .faces()
+                .map(|f| {
+                    let corners = mesh.face_vertices(f).map(|v| mesh.position(v));
+                    combine(&corners, closest_weights(&corners, p)).distance(p)
+                })
+                .fold(f64::INFINITY, f64::min);
+            let found = index.query(p);
+            prop_assert_eq!(found.distance, brute);
+            prop_assert_eq!(found.point.position(&mesh), found.position);
+            prop_assert_eq!(index.query_near(p, FaceId(hint)).distance, brute);
+            prop_assert_eq!(index.query_within(p, brute * 1.001).map(|c| c.distance), Some(brute));
+            prop_assert!(index.query_within(p, brute * 0.999).is_none());
+        }
+
+        #[test]
+        fn chain_queries_agree_with_all_segments(p in point(), scale in 0.1..8.0f64) {
+            let mesh = shapes::bracket(0.5);
+            let (features, _) = FeatureGraph::detect(&mesh, &FeatureOptions::default());
+            let index = PolylineIndex::from_features(&mesh, &features);
+            let p = p * scale;
+            let mut best_of_all = f64::INFINITY;
+            for (id, chain) in features.chains.iter().enumerate() {
+                let mut vertices = chain.vertices.clone();
+                if chain.closed {
+                    vertices.push(vertices[0]);
+                }
+                let ends = |w: &[crate::ids::VertexId]| (mesh.position(w[0]), mesh.position(w[1]));
+                let brute = vertices
+                    .windows(2)
+                    .map(|w| {
+                        let (a, b) = ends(w);
+                        a.lerp(b, closest_parameter(a, b, p)).distance(p)
+                    })
+                    .fold(f64::INFINITY, f64::min);
+                let found = index.query(id as ChainId, p);
+                prop_assert_eq!(found.distance, brute);
+                let (a, b) = ends(&vertices[found.segment as usize..]);
+                prop_assert_eq!(a.lerp(b, found.parameter), found.position);
+                prop_assert!(index.at(id as ChainId, found.arc).position.distance(found.position) < 1e-9);
+                best_of_all = best_of_all.min(brute);
+            }
+            prop_assert_eq!(index.query_any(p).map(|c| c.distance), Some(best_of_all));
+        }
+    }
+
+    #[test]
+    fn hostile_queries_have_an_answer() {
+        let mesh = shapes::sphere(1.0, 1);
+        let index = ClosestPoint::new(&mesh);
+        assert_eq!(index.query(DVec3::NAN).distance, f64::INFINITY);
+        assert_eq!(index.query_near(DVec3::NAN, FaceId(7)).distance, f64::INFINITY);
+        assert!(index.query_near(DVec3::X, FaceId(99999)).distance < 0.1);
+        let empty = ClosestPoint::new(&TriMesh::new(Vec::new(), &[]).unwrap());
+        assert_eq!(empty.query(DVec3::ZERO).distance, f64::INFINITY);
+        let lines = PolylineIndex::new(&[(vec![DVec3::X], true), (vec![], false)]);
+        assert!(lines.query_any(DVec3::ZERO).is_some_and(|c| c.distance == 1.0));
+        assert_eq!(lines.query(1, DVec3::ZERO).distance, f64::INFINITY);
+        assert_eq!(lines.at(1, 3.0).arc, 0.0);
+    }
+}

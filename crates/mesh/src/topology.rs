@@ -415,3 +415,154 @@ fn join_singular(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::TriMesh;
+    use crate::shapes;
+    use proptest::prelude::*;
+
+    /// Topology after cutting, by gluing face corners across uncut edges only.
+    fn cut_open(mesh: &TriMesh, cut: &EdgeMap<bool>) -> Summary {
+        let mut corners = UnionFind::new(mesh.half_edge_count());
+        for h in mesh.half_edges().filter(|&h| !cut[mesh.edge(h)]) {
+            if let Some(t) = mesh.twin(h) {
+                corners.join(h.index(), mesh.next(t).index());
+                corners.join(mesh.next(h).index(), t.index());
+            }
+        }
+        let mut id = vec![u32::MAX; mesh.half_edge_count()];
+        let mut vertices = 0;
+        let mut vertex = |h: HalfEdgeId| {
+            let r = corners.root(h.index());
+            if id[r] == u32::MAX {
+                id[r] = vertices;
+                vertices += 1;
+            }
+            id[r]
+        };
+        let faces: Vec<[u32; 3]> = mesh.faces().map(|f| mesh.face_half_edges(f).map(&mut vertex)).collect();
+        Summary::of(&TriConnectivity::from_faces(vertices as usize, &faces).expect("cutting keeps a manifold"))
+    }
+
+    fn check_cut(mesh: &TriMesh, cost: &EdgeMap<f64>, singular: &[VertexId]) {
+        let cut = cut_graph(mesh, cost, singular);
+        let opened = cut_open(mesh, &cut);
+        let whole = Summary::of(mesh.connectivity());
+        assert_eq!((opened.components, opened.genus), (whole.components, 0));
+        // Every component is a disk, or a sphere without a cut.
+        let spheres = opened.components - opened.boundary_loops;
+        assert_eq!(opened.chi, (opened.components + spheres) as i64);
+        for e in mesh.edges() {
+            assert!(!cut[e] || !mesh.is_boundary_edge(e));
+        }
+        let (parts, summaries) = (components(mesh.connectivity()), component_summaries(mesh.connectivity()));
+        // Singular vertices lie on the cut; ordinary ones do not end it.
+        let degree = |v: VertexId| mesh.vertex_edges(v).filter(|&e| cut[e]).count();
+        for v in mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)) {
+            if singular.contains(&v) {
+                let part = parts.of_vertex(mesh, v);
+                let others = singular.iter().any(|&w| w != v && parts.of_vertex(mesh, w) == part);
+                let s = summaries[part as usize];
+                assert!(degree(v) > 0 || (!others && s.genus == 0 && s.boundary_loops == 0), "{v} is not reached");
+            } else {
+                assert_ne!(degree(v), 1, "the cut dangles at {v}");
+            }
+        }
+    }
+
+    fn test_shapes() -> Vec<TriMesh> {
+        let mut list = vec![
+            shapes::sphere(1.0, 2),
+            shapes::torus(1.0, 0.4, 12, 9),
+            shapes::smooth_genus(3, 1),
+            shapes::cylinder(1.0, 2.0, 8, 5),
+            shapes::plate_with_holes(0.5),
+            shapes::bracket(0.7),
+        ];
+        list.push(shapes::join(&list));
+        list
+    }
+
+    #[test]
+    fn summaries_add_up() {
+        let shapes = test_shapes();
+        let s = Summary::of(shapes[6].connectivity());
+        assert_eq!((s.components, s.boundary_loops, s.genus), (6, 2 + 6, 1 + 3 + 3));
+        assert_eq!(s.chi, 2 * 6 - 2 * s.genus - s.boundary_loops as i64);
+        let parts = component_summaries(shapes[6].connectivity());
+        for (part, shape) in parts.iter().zip(&shapes) {
+            assert_eq!(*part, Summary::of(shape.connectivity()));
+        }
+    }
+
+    #[test]
+    fn boundary_loops_are_closed_and_complete() {
+        for mesh in test_shapes() {
+            let loops = boundary_loops(mesh.connectivity());
+            for boundary in &loops {
+                for (i, &h) in boundary.iter().enumerate() {
+                    assert_eq!(mesh.target(h), mesh.origin(boundary[(i + 1) % boundary.len()]));
+                }
+            }
+            let count = mesh.edges().filter(|&e| mesh.is_boundary_edge(e)).count();
+            assert_eq!(loops.iter().map(Vec::len).sum::<usize>(), count);
+        }
+    }
+
+    #[test]
+    fn dual_forests_are_shortest_paths() {
+        for mesh in test_shapes() {
+            let length = EdgeMap::from_fn(mesh.edge_count(), |e: EdgeId| 0.5 + shapes::random(3, e.index() as u64));
+            let roots = [FaceId(0), FaceId::new(mesh.face_count() - 1)];
+            let forest = dual_forest(mesh.connectivity(), &length, &roots);
+            // Bellman-Ford: no edge shortens a path, and every path has the length of its steps.
+            for f in mesh.faces() {
+                for h in mesh.sides(f) {
+                    if let Some(t) = mesh.twin(h) {
+                        assert!(forest.distance[mesh.face(t)] <= forest.distance[f] + length[mesh.edge(h)]);
+                    }
+                }
+                if let Some(h) = forest.parent[f] {
+                    let parent = mesh.face(mesh.twin(h).unwrap());
+                    assert_eq!(mesh.face(h), f);
+                    assert_eq!(forest.distance[f], forest.distance[parent] + length[mesh.edge(h)]);
+                    assert_eq!(forest.root[f], forest.root[parent]);
+                } else {
+                    assert_eq!(forest.root[f].is_some(), roots.contains(&f));
+                }
+            }
+            let mut seen = FaceMap::filled(mesh.face_count(), false);
+            for &f in &forest.order {
+                assert!(forest.parent[f].is_none_or(|h| seen[mesh.face(mesh.twin(h).unwrap())]));
+                seen[f] = true;
+            }
+        }
+    }
+
+    #[test]
+    fn cut_along_cheap_edges() {
+        // A torus with a cheap meridian: the cut runs along it.
+        let mesh = shapes::torus(1.0, 0.4, 24, 12);
+        let on_circle = |v: VertexId| mesh.position(v).y.abs() < 1e-9 && mesh.position(v).x > 0.0;
+        let cheap = |e: EdgeId| mesh.ends(e).iter().all(|&v| on_circle(v));
+        let cost = EdgeMap::from_fn(mesh.edge_count(), |e| if cheap(e) { 0.01 } else { 1.0 });
+        let cut = cut_graph(&mesh, &cost, &[]);
+        assert_eq!(mesh.edges().filter(|&e| cut[e] && cheap(e)).count(), 12);
+        assert_eq!(mesh.edges().filter(|&e| cut[e]).count(), 12 + 24);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+        #[test]
+        fn cut_graphs_open_disks(shape in 0usize..7, picks in proptest::collection::vec(0.0..1.0f64, 0..9), seed: u64) {
+            let mesh = &test_shapes()[shape];
+            let singular: Vec<VertexId> =
+                picks.iter().map(|t| VertexId::new((t * mesh.vertex_count() as f64) as usize)).collect();
+            let cost = EdgeMap::from_fn(mesh.edge_count(), |e: EdgeId| shapes::random(seed, e.index() as u64).powi(4));
+            check_cut(mesh, &cost, &singular);
+            check_cut(mesh, &EdgeMap::filled(mesh.edge_count(), 1.0), &singular);
+        }
+    }
+}
