@@ -1,0 +1,228 @@
+//! The three-level update of a relaxed solution: local Gauss-Seidel, conjugate gradients, Cholesky.
+//!
+//! In: a reduced system A·y = b, its factor and its integers. Out: [`Ladder`], the relaxed solution under a
+//! growing set of fixed integers. Holds: after each update every residual is at most `tolerance` times its
+//! diagonal entry, that is, no single variable would move by more than `tolerance`.
+//!
+//! Source: [Bommes2012] §5.2.2. Differs: residuals are kept up to date instead of recomputed, and a
+//! variable enters the queue only when its residual exceeds the tolerance.
+
+use std::collections::VecDeque;
+
+use crate::cholesky::{CholeskyError, SparseCholesky};
+use crate::reduce::Reduced;
+
+/// When each level of the ladder gives up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LadderOptions {
+    /// Largest movement a variable may still want, in units of the variables. Default 1e-3. Larger:
+    /// estimates drift and roundings go wrong. Smaller: more sweeps, ever farther from the rounded integer.
+    pub tolerance: f64,
+    /// Single-variable updates for each rounding before conjugate gradients take over. Default 100,000
+    /// ([Bommes2012] §5.3, orientation field); 0 skips the level.
+    pub gauss_seidel_limit: usize,
+    /// Iterations of conjugate gradients before the matrix is factorised. Default 50 ([Bommes2012] §5.3);
+    /// 0 skips the level.
+    pub conjugate_gradient_limit: usize,
+}
+
+impl Default for LadderOptions {
+    fn default() -> Self {
+        Self { tolerance: 1e-3, gauss_seidel_limit: 100_000, conjugate_gradient_limit: 50 }
+    }
+}
+
+/// How often each level was used.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct LadderCounts {
+    pub gauss_seidel_updates: usize,
+    pub conjugate_gradient_iterations: usize,
+    pub factorizations: usize,
+}
+
+/// Relaxed solution of a reduced system under fixings.
+pub(crate) struct Ladder<'a> {
+    system: &'a Reduced,
+    cholesky: &'a mut SparseCholesky,
+    options: LadderOptions,
+    diagonal: Vec<f64>,
+    y: Vec<f64>,
+    /// b − A·y; of no meaning in fixed rows.
+    residual: Vec<f64>,
+    fixed: Vec<bool>,
+    queue: VecDeque<u32>,
+    queued: Vec<bool>,
+    moved: Vec<u32>,
+    has_moved: Vec<bool>,
+    pub counts: LadderCounts,
+}
+
+impl<'a> Ladder<'a> {
+    /// `y`: the relaxed solution; `cholesky`: analysed for the matrix.
+    pub fn new(system: &'a Reduced, cholesky: &'a mut SparseCholesky, y: Vec<f64>, options: LadderOptions) -> Self {
+        let n = y.len();
+        let mut ladder = Self {
+            system,
+            cholesky,
+            options,
+            diagonal: system.matrix.diagonal(),
+            y,
+            residual: vec![0.0; n],
+            fixed: vec![false; n],
+            queue: VecDeque::new(),
+            queued: vec![false; n],
+            moved: Vec::new(),
+            has_moved: vec![false; n],
+            counts: LadderCounts::default(),
+        };
+        ladder.refresh_residual();
+        ladder
+    }
+
+    /// The current solution.
+    pub fn y(&self) -> &[f64] {
+        &self.y
+    }
+
+    /// The variables that moved since the last call, ascending.
+    pub fn take_moved(&mut self) -> Vec<u32> {
+        self.moved.sort_unstable();
+        self.moved.iter().for_each(|&i| self.has_moved[i as usize] = false);
+        std::mem::take(&mut self.moved)
+    }
+
+    /// Fixes variables and climbs the ladder until the rest has settled.
+    pub fn fix(&mut self, block: &[(usize, f64)]) -> Result<(), CholeskyError> {
+        for &(j, value) in block {
+            self.fixed[j] = true;
+            self.shift(j, value - self.y[j]);
+            self.y[j] = value;
+        }
+        let settled = self.local_gauss_seidel() || self.conjugate_gradients();
+        if settled { Ok(()) } else { self.factorize() }
+    }
+
+    /// Fixes variables and leaves the rest as it is, to be settled by a later call.
+    pub fn fix_without_update(&mut self, block: &[(usize, f64)]) {
+        for &(j, value) in block {
+            self.fixed[j] = true;
+            self.y[j] = value;
+        }
+    }
+
+    /// Fixes variables and re-solves by Cholesky at once.
+    pub fn fix_and_factorize(&mut self, block: &[(usize, f64)]) -> Result<(), CholeskyError> {
+        self.fix_without_update(block);
+        self.factorize()
+    }
+
+    /// Level 1 ([Bommes2012] §5.2.2, algorithm Local Gauss-Seidel).
+    fn local_gauss_seidel(&mut self) -> bool {
+        let mut left = self.options.gauss_seidel_limit;
+        while let Some(k) = self.queue.pop_front() {
+            let k = k as usize;
+            self.queued[k] = false;
+            let step = self.residual[k] / self.diagonal[k];
+            if self.fixed[k] || step.abs() <= self.options.tolerance {
+                continue;
+            }
+            if left == 0 {
+                self.queue.drain(..).for_each(|i| self.queued[i as usize] = false);
+                return false;
+            }
+            left -= 1;
+            self.counts.gauss_seidel_updates += 1;
+            self.y[k] += step;
+            self.shift(k, step);
+        }
+        true
+    }
+
+    /// y_k has moved by `step`: residuals follow, and those above tolerance are queued.
+    fn shift(&mut self, k: usize, step: f64) {
+        self.mark_moved(k);
+        let (columns, values) = self.system.matrix.row(k);
+        for (&j, &a) in columns.iter().zip(values) {
+            let j = j as usize;
+            self.residual[j] -= a * step;
+            let wants = self.residual[j].abs() > self.options.tolerance * self.diagonal[j];
+            if wants && !self.fixed[j] && !self.queued[j] {
+                self.queued[j] = true;
+                self.queue.push_back(j as u32);
+            }
+        }
+    }
+
+    fn mark_moved(&mut self, k: usize) {
+        if !self.has_moved[k] {
+            self.has_moved[k] = true;
+            self.moved.push(k as u32);
+        }
+    }
+
+    /// Level 2, preconditioned by the diagonal, on the rows not fixed.
+    fn conjugate_gradients(&mut self) -> bool {
+        let free: Vec<u32> = (0..self.y.len() as u32).filter(|&i| !self.fixed[i as usize]).collect();
+        let mut direction = vec![0.0; self.y.len()];
+        let mut rho_before = 1.0;
+        for iteration in 0..self.options.conjugate_gradient_limit {
+            if self.is_settled() {
+                break;
+            }
+            let precondition = |i: usize| self.residual[i] / self.diagonal[i];
+            let rho: f64 = free.iter().map(|&i| self.residual[i as usize] * precondition(i as usize)).sum();
+            let keep = if iteration == 0 { 0.0 } else { rho / rho_before };
+            free.iter().for_each(|&i| direction[i as usize] = precondition(i as usize) + keep * direction[i as usize]);
+            let image: Vec<f64> = free.iter().map(|&i| self.system.matrix.row_dot(i as usize, &direction)).collect();
+            let curvature: f64 = free.iter().zip(&image).map(|(&i, a)| direction[i as usize] * a).sum();
+            let step = rho / curvature;
+            if !step.is_finite() {
+                break;
+            }
+            for (&i, a) in free.iter().zip(&image) {
+                self.y[i as usize] += step * direction[i as usize];
+                self.residual[i as usize] -= step * a;
+            }
+            rho_before = rho;
+            self.counts.conjugate_gradient_iterations += 1;
+        }
+        free.iter().for_each(|&i| self.mark_moved(i as usize));
+        self.is_settled()
+    }
+
+    fn is_settled(&self) -> bool {
+        let wants = |i: usize| self.residual[i].abs() > self.options.tolerance * self.diagonal[i];
+        !(0..self.y.len()).any(|i| !self.fixed[i] && wants(i))
+    }
+
+    /// Level 3: the exact solution. Fixed variables keep identity rows, so the analysis is used again.
+    fn factorize(&mut self) -> Result<(), CholeskyError> {
+        self.counts.factorizations += 1;
+        let masked = self.system.matrix.with_identity_rows(&self.fixed);
+        self.cholesky.factorize(&masked)?;
+        let mut solution = self.masked_rhs();
+        self.cholesky.solve(&mut solution);
+        for i in 0..self.y.len() {
+            if !self.fixed[i] {
+                self.y[i] = solution[i];
+                self.mark_moved(i);
+            }
+        }
+        self.refresh_residual();
+        Ok(())
+    }
+
+    fn masked_rhs(&self) -> Vec<f64> {
+        let only_fixed: Vec<f64> = self.y.iter().zip(&self.fixed).map(|(&y, &f)| if f { y } else { 0.0 }).collect();
+        let row = |i: usize| {
+            if self.fixed[i] { self.y[i] } else { self.system.rhs[i] - self.system.matrix.row_dot(i, &only_fixed) }
+        };
+        (0..self.y.len()).map(row).collect()
+    }
+
+    fn refresh_residual(&mut self) {
+        for i in 0..self.y.len() {
+            self.residual[i] = self.system.rhs[i] - self.system.matrix.row_dot(i, &self.y);
+        }
+    }
+}
