@@ -4,6 +4,17 @@
 //! Source: [Bommes2012] ch. 6 and §8.4.
 #![warn(missing_docs)]
 
+pub mod charts;
 pub mod integer_grid_map;
+pub mod parametrize;
+pub mod placed;
+pub mod problem;
+pub mod quantise;
+pub mod stiffen;
+pub mod tmesh;
+pub mod untangle;
 
+pub use charts::Charts;
 pub use integer_grid_map::{GRID_UNIT, IntegerGridMap, LATTICE_BITS, LatticePoint, MapDefect, Transition};
+pub use parametrize::{Method, ParamError, ParamOptions, ParamReport, Parametrization, Parametrizer, Rung};
+pub use placed::{PlacedMap, PlacementError};

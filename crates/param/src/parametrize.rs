@@ -1,0 +1,316 @@
+//! From a cross field to an integer-grid map: solve, stiffen, untangle, separate.
+//!
+//! In: a triangle mesh, its features, a cross field, sizes. Out: [`Parametrization`] with the exact map and a report
+//! of every rung that was needed. Holds: transitions, singular vertices and features are exact; `inverted` lists the
+//! faces that stayed inverted, and is empty for a valid map.
+//! Source: [Bommes2012] ch. 6 and §8.4; the rungs after stiffening are documented in [`Parametrizer::map`].
+
+use crate::charts::Charts;
+use crate::integer_grid_map::{GRID_UNIT, IntegerGridMap};
+use crate::placed::{PlacedMap, PlacementError};
+use crate::problem::{
+    EnergyOptions, FaceGradient, MapConstraints, face_gradients, map_constraints, orientation_energy, variable_count,
+};
+use crate::quantise::{Separation, SeparationOptions, SeparationReport, separate};
+use crate::stiffen::{StiffenOptions, StiffenReport, stiffen};
+use crate::tmesh::trace;
+use crate::untangle::{UntangleOptions, UntangleReport, untangle};
+use quadloom_field::{CrossField, SizeField, Transport};
+use quadloom_mesh::{Cancelled, EdgeMap, FaceId, FaceMap, FeatureGraph, Progress, TriMesh, metric};
+use quadloom_numeric::{Constraints, Rounding, SolveError, SolveOptions, Solver};
+use std::time::Instant;
+
+/// How the map is made.
+#[derive(Clone, Debug)]
+pub struct ParamOptions {
+    /// Choice of the integers. Default: greedy; direct is faster and worse ([Bommes2012] §5.3).
+    pub method: Method,
+    /// The energy's norm.
+    pub energy: EnergyOptions,
+    /// Local stiffening.
+    pub stiffen: StiffenOptions,
+    /// Untangling at fixed integers.
+    pub untangle: UntangleOptions,
+    /// Re-rounding under separation conditions.
+    pub separation: SeparationOptions,
+}
+
+impl Default for ParamOptions {
+    fn default() -> Self {
+        Self {
+            method: Method::Greedy,
+            energy: EnergyOptions::default(),
+            stiffen: StiffenOptions::default(),
+            untangle: UntangleOptions::default(),
+            separation: SeparationOptions::default(),
+        }
+    }
+}
+
+/// Choice of the integers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub enum Method {
+    /// Nearest first, the others updated in between ([Bommes2012] §5.2.2).
+    #[default]
+    Greedy,
+    /// All at once from the relaxation ([Bommes2012] §5.2.1).
+    Direct,
+}
+
+/// Why there is no map.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ParamError {
+    /// The linear problem has no solution.
+    #[error("the map's constraints cannot be met: {0}")]
+    Solve(SolveError),
+    /// The solution does not close up.
+    #[error("the map does not close: {0}")]
+    Placement(PlacementError),
+    /// The run was asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// A rung of the ladder that produced the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub enum Rung {
+    /// The solver's solution was fold-free.
+    #[default]
+    Solved,
+    /// Stiffening removed the folds.
+    Stiffened,
+    /// Untangling at fixed integers removed the folds.
+    Untangled,
+    /// Other integers were chosen under separation conditions.
+    Separated,
+}
+
+/// What was done to get the map.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct ParamReport {
+    /// Variables before elimination.
+    pub variables: usize,
+    /// Free integers after elimination.
+    pub integers: usize,
+    /// Energy of the rounded solution (without its constant).
+    pub energy: f64,
+    /// Inverted faces right after the solve.
+    pub inverted_after_solve: usize,
+    /// Stiffening of the last attempt.
+    pub stiffen: StiffenReport,
+    /// Untangling of the last attempt.
+    pub untangle: UntangleReport,
+    /// Separation, if it was needed.
+    pub separation: Option<SeparationReport>,
+    /// Last rung used.
+    pub rung: Rung,
+    /// Seconds of set-up, solving, repairing.
+    pub seconds: [f64; 3],
+}
+
+/// An integer-grid map and how it came about.
+#[derive(Clone, Debug)]
+pub struct Parametrization {
+    /// The map; valid where `inverted` is empty.
+    pub map: IntegerGridMap,
+    /// Faces that are inverted or degenerate in the map, ascending.
+    pub inverted: Vec<FaceId>,
+    /// What was done.
+    pub report: ParamReport,
+}
+
+/// Charts and eliminated constraints of one field, ready for several sizes.
+pub struct Parametrizer<'a> {
+    mesh: &'a TriMesh,
+    features: &'a FeatureGraph,
+    field: &'a CrossField,
+    length: EdgeMap<f64>,
+    charts: Charts,
+    constraints: MapConstraints,
+    solver: Solver,
+    setup_seconds: f64,
+}
+
+impl<'a> Parametrizer<'a> {
+    /// Cuts the mesh along seams and eliminates the constraints.
+    ///
+    /// # Errors     rows that exclude each other, named by what they say
+    /// # Cost       near linear
+    pub fn new(mesh: &'a TriMesh, features: &'a FeatureGraph, field: &'a CrossField) -> Result<Self, ParamError> {
+        let start = Instant::now();
+        let length = metric::edge_lengths(mesh);
+        let transport = Transport::new(mesh, &length);
+        let charts = Charts::new(mesh, &length, &transport, features, field);
+        let constraints = map_constraints(mesh, features, &charts);
+        let solver = Solver::new(variable_count(&charts), &constraints.rows, &constraints.integers)
+            .map_err(ParamError::Solve)?;
+        let setup_seconds = start.elapsed().as_secs_f64();
+        Ok(Self { mesh, features, field, length, charts, constraints, solver, setup_seconds })
+    }
+
+    /// The seams and the combed field.
+    pub fn charts(&self) -> &Charts {
+        &self.charts
+    }
+
+    /// Makes the map at the given sizes.
+    ///
+    /// The ladder, each rung only where the one before left inverted triangles:
+    /// 1. mixed-integer solve ([Bommes2012] §8.4); 2. local stiffening at its integers; 3. untangling at its integers
+    /// ([Garanzha2021]); 4. the seamless map without integers is traced ([`crate::tmesh`]), the integers are chosen again
+    /// so that none of its arcs is reversed or collapses ([`crate::quantise`]), and rungs 2 and 3 run again.
+    ///
+    /// # Output     the map of the rung with the fewest inverted triangles
+    /// # Errors     [`ParamError::Solve`] where the energy does not determine the map
+    pub fn map(
+        &mut self,
+        size: &SizeField,
+        options: &ParamOptions,
+        progress: &Progress,
+    ) -> Result<Parametrization, ParamError> {
+        let start = Instant::now();
+        let mut report = ParamReport { variables: variable_count(&self.charts), ..Default::default() };
+        report.seconds[0] = self.setup_seconds;
+        let gradient = face_gradients(self.mesh, &self.length, self.field, size, &self.charts);
+        // 1. Integers and points together.
+        let mut placed = self.solve(&gradient, options, &mut report, progress)?;
+        report.seconds[1] = start.elapsed().as_secs_f64();
+        report.inverted_after_solve = placed.inverted_faces(self.mesh).len();
+        // 2., 3. Other points at the same integers.
+        report.rung = self.repair(&mut placed, &gradient, options, &mut report, progress)?;
+        let mut inverted = placed.inverted_faces(self.mesh);
+        // 4. Other integers.
+        if !inverted.is_empty() {
+            progress.check()?;
+            let mut second = report.clone();
+            if let Some(mut other) = self.separated(&gradient, options, &mut second, progress)? {
+                self.repair(&mut other, &gradient, options, &mut second, progress)?;
+                let still = other.inverted_faces(self.mesh);
+                report.separation = second.separation.clone();
+                if still.len() < inverted.len() {
+                    second.rung = Rung::Separated;
+                    (placed, inverted, report) = (other, still, second);
+                }
+            } else {
+                report.separation = second.separation;
+            }
+        }
+        report.seconds[2] = start.elapsed().as_secs_f64() - report.seconds[1];
+        progress.check()?;
+        Ok(Parametrization { map: placed.to_lattice(self.mesh), inverted, report })
+    }
+
+    fn solve(
+        &mut self,
+        gradient: &FaceMap<FaceGradient>,
+        options: &ParamOptions,
+        report: &mut ParamReport,
+        progress: &Progress,
+    ) -> Result<PlacedMap, ParamError> {
+        let weight = FaceMap::filled(self.mesh.face_count(), 1.0);
+        let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, 1.0);
+        let cancelled = || progress.cancelled();
+        let rounding = match options.method {
+            Method::Greedy => Rounding::Greedy,
+            Method::Direct => Rounding::Direct,
+        };
+        let solve_options = SolveOptions { rounding, cancelled: Some(&cancelled), ..SolveOptions::default() };
+        let solution = self.solver.solve(&energy, &solve_options).map_err(|e| solve_error(e, progress))?;
+        report.integers = solution.report.free_integers;
+        report.energy = solution.energy;
+        PlacedMap::new(self.mesh, &self.charts, &solution.x, GRID_UNIT).map_err(ParamError::Placement)
+    }
+
+    fn repair(
+        &self,
+        placed: &mut PlacedMap,
+        gradient: &FaceMap<FaceGradient>,
+        options: &ParamOptions,
+        report: &mut ParamReport,
+        progress: &Progress,
+    ) -> Result<Rung, ParamError> {
+        report.stiffen = stiffen(self.mesh, placed, gradient, &options.energy, &options.stiffen, progress);
+        progress.check()?;
+        if report.stiffen.inverted_after == 0 {
+            return Ok(if report.stiffen.iterations == 0 { Rung::Solved } else { Rung::Stiffened });
+        }
+        report.untangle = untangle(self.mesh, placed, gradient, &options.untangle, progress);
+        progress.check()?;
+        Ok(Rung::Untangled)
+    }
+
+    /// Integers that keep every arc of the seamless map's motorcycle graph; `None` where there is no fold-free
+    /// seamless map or no such integers were found.
+    fn separated(
+        &mut self,
+        gradient: &FaceMap<FaceGradient>,
+        options: &ParamOptions,
+        report: &mut ParamReport,
+        progress: &Progress,
+    ) -> Result<Option<PlacedMap>, ParamError> {
+        let weight = FaceMap::filled(self.mesh.face_count(), 1.0);
+        // 1. A seamless map: integers on a grid so fine that rounding to it does not matter.
+        let fine = GRID_UNIT >> SEAMLESS_BITS;
+        let scale = (GRID_UNIT / fine) as f64;
+        let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, scale);
+        let direct = SolveOptions { rounding: Rounding::Direct, ..SolveOptions::default() };
+        let solution = self.solver.solve(&energy, &direct).map_err(|e| solve_error(e, progress))?;
+        let mut seamless =
+            PlacedMap::new(self.mesh, &self.charts, &solution.x, fine).map_err(ParamError::Placement)?;
+        self.repair(&mut seamless, gradient, options, &mut ParamReport::default(), progress)?;
+        let folds = seamless.inverted_faces(self.mesh).len();
+        if folds > 0 {
+            report.separation = Some(SeparationReport { seamless_inverted: folds, ..Default::default() });
+            return Ok(None);
+        }
+        // 2. Its motorcycle graph.
+        let lattice = seamless.to_lattice(self.mesh);
+        let Ok(tmesh) = trace(self.mesh, self.features, &self.charts, &lattice, progress) else {
+            return Ok(None);
+        };
+        // 3. Integers.
+        let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, 1.0);
+        let first_extra = self.constraints.origin.len();
+        let (found, separation) = separate(&tmesh, &options.separation, |rows| {
+            let constraints = with_rows(&self.constraints.rows, rows, first_extra);
+            let named = |error| match error {
+                SolveError::Contradiction { rows, .. } | SolveError::NoIntegerSolution { rows, .. } => {
+                    rows.into_iter().filter(|&r| r >= first_extra).map(|r| r - first_extra).collect()
+                }
+                _ => Vec::new(),
+            };
+            let mut solver = Solver::new(variable_count(&self.charts), &constraints, &self.constraints.integers)
+                .map_err(named)?;
+            let greedy = SolveOptions::default();
+            solver.solve(&energy, &greedy).map(|s| s.x).map_err(named)
+        });
+        report.separation = Some(separation);
+        progress.check()?;
+        match found {
+            Some(x) => PlacedMap::new(self.mesh, &self.charts, &x, GRID_UNIT).map(Some).map_err(ParamError::Placement),
+            None => Ok(None),
+        }
+    }
+}
+
+/// Binary digits of the grid on which the seamless map lives.
+///
+/// More: rounding moves singular vertices less (2^-16 of a quad edge is far below any triangle's height); fewer would
+/// leave more lattice digits below it, which it does not need.
+const SEAMLESS_BITS: u32 = 16;
+
+fn with_rows(base: &Constraints, rows: &[Separation], first: usize) -> Constraints {
+    let mut all = base.clone();
+    for (i, row) in rows.iter().enumerate() {
+        let terms: Vec<(usize, f64)> = row.form.iter().map(|&(k, c)| (k as usize, f64::from(c))).collect();
+        all.add(&terms, row.value, first + i);
+    }
+    all
+}
+
+fn solve_error(error: SolveError, progress: &Progress) -> ParamError {
+    match progress.check() {
+        Err(cancelled) => ParamError::Cancelled(cancelled),
+        Ok(()) => ParamError::Solve(error),
+    }
+}
