@@ -1,0 +1,189 @@
+//! Remeshes OBJ files and prints what came out: `remesh_model [--quads N] [--sharp DEGREES] [--out DIR] FILE…`.
+//!
+//! The target edge length is 0.55·√(area / N): the edge of a work mesh for N quads.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+use quadloom_mesh::remesh::{RemeshOptions, Remeshed, TargetLength, isotropic};
+use quadloom_mesh::{DVec3, FeatureGraph, Progress, TriMesh, features::FeatureOptions};
+use std::error::Error;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+struct Arguments {
+    quads: f64,
+    sharp: f64,
+    out: Option<PathBuf>,
+    files: Vec<PathBuf>,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments = arguments()?;
+    println!(
+        "{:<20} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>5}  check",
+        "model", "in", "out", "sec", "min°", "max°", "good%", "reg%", "edge", "dev%", "long"
+    );
+    let mut failures = 0;
+    for file in &arguments.files {
+        failures += usize::from(!run(file, &arguments)?);
+    }
+    if failures > 0 { Err(format!("{failures} models fail a check").into()) } else { Ok(()) }
+}
+
+fn arguments() -> Result<Arguments, Box<dyn Error>> {
+    let mut found = Arguments { quads: 4000.0, sharp: 35.0, out: None, files: Vec::new() };
+    let mut rest = std::env::args().skip(1);
+    while let Some(argument) = rest.next() {
+        let mut value = || rest.next().ok_or("an option lacks its value");
+        match argument.as_str() {
+            "--quads" => found.quads = value()?.parse()?,
+            "--sharp" => found.sharp = value()?.parse()?,
+            "--out" => found.out = Some(value()?.into()),
+            _ => found.files.push(argument.into()),
+        }
+    }
+    Ok(found)
+}
+
+fn run(file: &Path, arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
+    let mesh = read_obj(file)?;
+    let options =
+        FeatureOptions { sharp_angle: (arguments.sharp > 0.0).then_some(arguments.sharp), ..FeatureOptions::default() };
+    let (features, _) = FeatureGraph::detect(&mesh, &options);
+    let target = 0.55 * (mesh.area() / arguments.quads).sqrt();
+    let start = Instant::now();
+    let size = TargetLength::Uniform(target);
+    let result = isotropic(&mesh, &features, size, &RemeshOptions::default(), &Progress::none())?;
+    let seconds = start.elapsed().as_secs_f64();
+    let problems = problems(&mesh, &features, &result);
+    let report = &result.report;
+    println!(
+        "{:<20} {:>7} {:>7} {:>7.3} {:>6.1} {:>6.1} {:>6.2} {:>6.1} {:>6.2} {:>6.1} {:>5}  {}",
+        file.file_stem().unwrap_or_default().to_string_lossy(),
+        mesh.face_count(),
+        result.mesh.face_count(),
+        seconds,
+        report.min_angle,
+        report.max_angle,
+        100.0 * report.good_angles,
+        100.0 * report.regular_vertices,
+        mean_edge(&result.mesh) / target,
+        100.0 * deviation(&mesh, &result.mesh) / target,
+        report.long_edges,
+        if problems.is_empty() { "ok".into() } else { problems.join(", ") }
+    );
+    if let Some(directory) = &arguments.out {
+        std::fs::create_dir_all(directory)?;
+        std::fs::write(directory.join(file.file_name().unwrap_or_default()), obj(&result.mesh))?;
+    }
+    Ok(problems.is_empty())
+}
+
+/// What the result breaks of what remeshing promises.
+fn problems(mesh: &TriMesh, features: &FeatureGraph, result: &Remeshed) -> Vec<String> {
+    let mut list = Vec::new();
+    let new = &result.mesh;
+    let chi = |m: &TriMesh| m.vertex_count() as i64 - m.edge_count() as i64 + m.face_count() as i64;
+    let mut expect = |holds: bool, what: &str| {
+        if !holds {
+            list.push(what.to_string());
+        }
+    };
+    expect(chi(mesh) == chi(new), "chi");
+    expect(result.report.splits + result.report.collapses + result.report.moves > 0, "unchanged");
+    let kept = features
+        .chains
+        .iter()
+        .zip(&result.features.chains)
+        .all(|(x, y)| x.kind == y.kind && x.closed == y.closed && y.vertices.len() >= if x.closed { 3 } else { 2 });
+    expect(kept && features.chains.len() == result.features.chains.len(), "chains");
+    let corners = |m: &TriMesh, g: &FeatureGraph| -> Vec<[u64; 3]> {
+        let is_corner = |v: &quadloom_mesh::VertexId| g.is_corner[*v];
+        let mut list: Vec<_> =
+            m.vertices().filter(is_corner).map(|v| m.position(v).to_array().map(f64::to_bits)).collect();
+        list.sort_unstable();
+        list
+    };
+    expect(corners(mesh, features) == corners(new, &result.features), "corners");
+    let on = result.features.feature_vertices(new);
+    let bridges = new.edges().filter(|&e| !result.features.is_feature(e) && new.ends(e).iter().all(|&v| on[v])).count();
+    expect(bridges == 0, "bridges");
+    let flat = new.faces().filter(|&f| new.vector_area(f).length() <= 0.0).count();
+    expect(flat == 0, "zero areas");
+    let turned = new
+        .faces()
+        .filter(|&f| {
+            let normal: DVec3 = new.face_vertices(f).iter().map(|&v| mesh.face_normal(result.origin[v].face)).sum();
+            new.face_normal(f).dot(normal.normalize_or_zero()) < -0.2
+        })
+        .count();
+    expect(turned == 0, &format!("{turned} turned"));
+    let folded = new
+        .edges()
+        .filter(|&e| {
+            !result.features.is_feature(e)
+                && quadloom_mesh::metric::dihedral_angle(new, new.half_edge(e)).to_degrees() > 120.0
+        })
+        .count();
+    expect(folded == 0, &format!("{folded} folded"));
+    list
+}
+
+fn mean_edge(mesh: &TriMesh) -> f64 {
+    let length = quadloom_mesh::metric::edge_lengths(mesh);
+    length.values().iter().sum::<f64>() / length.len().max(1) as f64
+}
+
+/// Largest distance of the input's vertices from the nearest vertex-centred samples of the new mesh's faces.
+fn deviation(mesh: &TriMesh, new: &TriMesh) -> f64 {
+    let index = quadloom_mesh::closest::ClosestPoint::new(new);
+    mesh.positions().values().iter().map(|&p| index.query(p).distance).fold(0.0, f64::max)
+}
+
+fn read_obj(file: &Path) -> Result<TriMesh, Box<dyn Error>> {
+    let text = std::fs::read_to_string(file)?;
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    for line in text.lines() {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                let mut coordinate = || {
+                    words.next().ok_or("a vertex lacks a coordinate")?.parse::<f64>().map_err(Box::<dyn Error>::from)
+                };
+                positions.push(DVec3::new(coordinate()?, coordinate()?, coordinate()?));
+            }
+            Some("f") => {
+                let mut corner = || -> Result<u32, Box<dyn Error>> {
+                    let word = words.next().ok_or("a face lacks a corner")?;
+                    Ok(word.split('/').next().unwrap_or(word).parse::<u32>()? - 1)
+                };
+                faces.push([corner()?, corner()?, corner()?]);
+            }
+            _ => {}
+        }
+    }
+    // Vertices without a face are left out.
+    let mut number = vec![u32::MAX; positions.len()];
+    let mut used = Vec::new();
+    for v in faces.as_flattened_mut() {
+        let slot = &mut number[*v as usize];
+        if *slot == u32::MAX {
+            *slot = used.len() as u32;
+            used.push(positions[*v as usize]);
+        }
+        *v = *slot;
+    }
+    Ok(TriMesh::new(used, &faces)?)
+}
+
+fn obj(mesh: &TriMesh) -> String {
+    let mut text = String::new();
+    for p in mesh.positions().values() {
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    for f in mesh.faces() {
+        let [a, b, c] = mesh.face_vertices(f).map(|v| v.0 + 1);
+        let _ = writeln!(text, "f {a} {b} {c}");
+    }
+    text
+}
