@@ -13,6 +13,7 @@ pub mod mesh;
 pub mod metric;
 pub mod progress;
 pub mod refine;
+pub mod remesh;
 pub mod shapes;
 pub mod soup;
 pub mod surface_point;
