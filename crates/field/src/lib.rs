@@ -6,8 +6,11 @@
 pub mod constraints;
 pub mod cross_field;
 pub mod error;
+mod mixed_integer;
+mod search;
 pub mod sizing;
 mod smoothest;
+pub mod solve;
 mod system;
 pub mod transport;
 
@@ -15,4 +18,5 @@ pub use constraints::{FieldConstraints, SoftDirection};
 pub use cross_field::{CrossField, FieldDefect};
 pub use error::FieldError;
 pub use sizing::SizeField;
+pub use solve::{FieldOptions, FieldReport, FieldStart, solve_cross_field};
 pub use transport::Transport;

@@ -1,0 +1,494 @@
+//! Local search over the singularities of a cross field: moves along edges, cancellation of opposite pairs.
+//!
+//! In: a factorised [`SmoothnessSystem`] and period jumps. Out: period jumps and angles of a lower objective
+//! E + w·Σ|4·I(v)|, E of Eq. (8.1). Holds: every accepted change lowers the objective, or removes a pair that is closer
+//! than the cancel distance at a bounded rise; prescribed indices and index sums are kept; angles stay exact minimisers.
+//! Source: [Bommes2012] §8.2, local search singularity optimization: moving a singularity along an edge changes the
+//! edge's period jump, hence the right-hand side only. The exact change of E below is its consequence.
+//!
+//! With x the angles' response to changing the jumps by δ, and t the turns θ_j - θ_i - κ - π/2·p:
+//!
+//! ```text
+//!   ΔE = -π Σ δ_e t_e + Q,   Q = π/2 Σ δ_e (π/2 δ_e - (x_j - x_i)),
+//! ```
+//!
+//! so Q depends on the path alone, and only the first term on the state.
+
+use crate::cross_field::CrossField;
+use crate::error::FieldError;
+use crate::system::SmoothnessSystem;
+use crate::transport::Transport;
+use quadloom_mesh::{EdgeId, EdgeMap, FaceId, FaceMap, Progress, TriConnectivity, VertexId, VertexMap};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Faces of the patch on which the cost of a single move is computed.
+///
+/// With free angles only there, Q comes out too large by a few per cent (the dipole's energy outside the patch), so
+/// that every accepted move still lowers the true energy. Larger: nearer to the true cost, cubic time.
+const PATCH_FACES: usize = 40;
+
+/// A turn below this needs no exact cost: Q is above 0.15·(π/2)² on every edge of a reasonable mesh.
+const SMALLEST_MOVING_TURN: f64 = 0.15 * PI / 4.0;
+
+/// What a search did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct SearchCounts {
+    /// Moves along one edge.
+    pub moves: usize,
+    /// Pairs of opposite sign that were joined along a path.
+    pub cancelled_pairs: usize,
+    /// Solves of the whole system.
+    pub solves: usize,
+}
+
+/// Weights of the search's objective.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SearchOptions {
+    /// Energy per quarter of index.
+    pub singularity_cost: f64,
+    /// Pairs closer than this are joined if the energy rises by at most `near_pair_cost`.
+    pub cancel_distance: f64,
+    /// See there.
+    pub near_pair_cost: f64,
+    /// Pairs farther apart than this are not tried.
+    pub reach: f64,
+}
+
+/// Period jumps with their optimal angles.
+pub(crate) struct Search<'a> {
+    mesh: &'a TriConnectivity,
+    transport: &'a Transport,
+    length: &'a EdgeMap<f64>,
+    system: &'a SmoothnessSystem<'a>,
+    options: SearchOptions,
+    /// Vertices of equal group may exchange index: 0 is free, others have prescribed sums.
+    group: VertexMap<u32>,
+    field: CrossField,
+    turn: EdgeMap<f64>,
+    index: VertexMap<i32>,
+    /// Q of a unit change of each edge's jump, once computed.
+    unit_cost: EdgeMap<Option<f64>>,
+    pub counts: SearchCounts,
+}
+
+/// A chain of edges along which a quarter of index is moved, with the jump changes that do so.
+#[derive(Clone, Debug)]
+struct Transfer {
+    from: VertexId,
+    to: VertexId,
+    changes: Vec<(EdgeId, i32)>,
+    length: f64,
+}
+
+impl<'a> Search<'a> {
+    /// Starts from given period jumps.
+    pub fn new(
+        mesh: &'a TriConnectivity,
+        transport: &'a Transport,
+        length: &'a EdgeMap<f64>,
+        system: &'a SmoothnessSystem<'a>,
+        group: VertexMap<u32>,
+        period_jump: EdgeMap<i32>,
+        options: SearchOptions,
+    ) -> Self {
+        let mut search = Self {
+            mesh,
+            transport,
+            length,
+            system,
+            options,
+            group,
+            field: CrossField { angle: FaceMap::filled(0, 0.0), period_jump },
+            turn: EdgeMap::filled(mesh.edge_count(), 0.0),
+            index: VertexMap::filled(mesh.vertex_count(), 0),
+            unit_cost: EdgeMap::filled(mesh.edge_count(), None),
+            counts: SearchCounts::default(),
+        };
+        for v in mesh.vertices() {
+            search.index[v] = search.field.index(mesh, transport, v);
+        }
+        search.solve();
+        search
+    }
+
+    /// The field as it is now.
+    pub fn field(&self) -> &CrossField {
+        &self.field
+    }
+
+    /// The field as it is now.
+    pub fn into_field(self) -> CrossField {
+        self.field
+    }
+
+    /// Moves and cancels until neither helps.
+    pub fn run(&mut self, progress: &Progress) -> Result<(), FieldError> {
+        // Each round ends with fewer pairs; the limit only guards against rounding errors.
+        for _ in 0..20 {
+            self.move_singularities(progress)?;
+            if !self.cancel_pairs(progress)? {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn energy(&self) -> f64 {
+        self.system.energy(&self.field.angle, &self.field.period_jump)
+    }
+
+    /// Angles and turns from the period jumps.
+    fn solve(&mut self) {
+        self.field.angle = self.system.angles(&self.field.period_jump);
+        self.counts.solves += 1;
+        self.refresh_turns();
+    }
+
+    fn refresh_turns(&mut self) {
+        for e in self.mesh.edges() {
+            self.turn[e] = self.field.turn(self.mesh, self.transport, self.mesh.half_edge(e));
+        }
+    }
+
+    /// Changes jumps, and the indices with them.
+    fn apply(&mut self, changes: &[(EdgeId, i32)]) {
+        for &(e, amount) in changes {
+            self.field.period_jump[e] += amount;
+            let [a, b] = self.mesh.ends(e);
+            // Crossing the canonical half-edge is counter-clockwise around its target.
+            self.index[a] += if self.mesh.is_boundary_vertex(a) { 0 } else { amount };
+            self.index[b] -= if self.mesh.is_boundary_vertex(b) { 0 } else { amount };
+        }
+    }
+
+    /// Σ|4·I| after minus before a change of one edge's jump.
+    fn index_change(&self, e: EdgeId, amount: i32) -> i32 {
+        let [a, b] = self.mesh.ends(e);
+        let change = |v: VertexId, by: i32| match self.mesh.is_boundary_vertex(v) {
+            true => 0,
+            false => (self.index[v] + by).abs() - self.index[v].abs(),
+        };
+        change(a, amount) + change(b, -amount)
+    }
+
+    /// Whether index may flow along an edge: it is interior and keeps every prescribed sum.
+    fn is_passable(&self, e: EdgeId) -> bool {
+        let (i, j) = self.mesh.edge_faces(e);
+        let [a, b] = self.mesh.ends(e);
+        j.is_some_and(|j| self.system.is_free(i) || self.system.is_free(j)) && self.group[a] == self.group[b]
+    }
+}
+
+/// Single moves.
+impl Search<'_> {
+    /// Moves singularities along edges while the objective falls: all moves of a round are far apart.
+    fn move_singularities(&mut self, progress: &Progress) -> Result<(), FieldError> {
+        let mut before = self.energy();
+        for _ in 0..100 {
+            progress.check()?;
+            let candidates = self.moves();
+            let accepted = self.independent(&candidates);
+            if accepted.is_empty() {
+                break;
+            }
+            // The gains of distant moves add up but for the tails of their dipoles; check, and fall back to the best.
+            let saved = self.field.period_jump.clone();
+            let index_change: i32 = accepted.iter().map(|&(e, amount)| self.index_change(e, amount)).sum();
+            self.apply(&accepted);
+            self.solve();
+            let after = self.energy();
+            let objective_change = after - before + self.options.singularity_cost * f64::from(index_change);
+            if objective_change < 0.0 || accepted.len() == 1 {
+                self.counts.moves += accepted.len();
+                before = after;
+                if objective_change > -1e-12 {
+                    break;
+                }
+                continue;
+            }
+            let undo: Vec<(EdgeId, i32)> =
+                accepted.iter().map(|&(e, _)| (e, saved[e] - self.field.period_jump[e])).collect();
+            self.apply(&undo);
+            self.apply(&accepted[..1]);
+            self.solve();
+            self.counts.moves += 1;
+            before = self.energy();
+        }
+        Ok(())
+    }
+
+    /// All single changes that lower the objective, best first, as (change of the objective, edge, amount).
+    fn moves(&mut self) -> Vec<(f64, EdgeId, i32)> {
+        let mut list = Vec::new();
+        for e in self.mesh.edges() {
+            let turn = self.turn[e];
+            if turn.abs() < SMALLEST_MOVING_TURN || !self.is_passable(e) {
+                continue;
+            }
+            let amount = if turn > 0.0 { 1 } else { -1 };
+            let fee = self.options.singularity_cost * f64::from(self.index_change(e, amount));
+            let linear = -PI * turn.abs() + fee;
+            // Q is at most that of a change without response.
+            if linear + FRAC_PI_2 * FRAC_PI_2 * 0.1 >= 0.0 {
+                continue;
+            }
+            let cost = self.unit_cost(e);
+            if linear + cost < -1e-9 {
+                list.push((linear + cost, e, amount));
+            }
+        }
+        list.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        list
+    }
+
+    /// The best changes no two of which touch vertices within two rings of each other.
+    fn independent(&self, candidates: &[(f64, EdgeId, i32)]) -> Vec<(EdgeId, i32)> {
+        let mut blocked = VertexMap::filled(self.mesh.vertex_count(), false);
+        let mut accepted = Vec::new();
+        for &(_, e, amount) in candidates {
+            let ends = self.mesh.ends(e);
+            if ends.iter().any(|&v| blocked[v]) {
+                continue;
+            }
+            accepted.push((e, amount));
+            let mut ring: Vec<VertexId> = ends.to_vec();
+            for _ in 0..2 {
+                ring = ring.iter().flat_map(|&v| self.mesh.neighbours(v)).filter(|&v| !blocked[v]).collect();
+                ring.iter().for_each(|&v| blocked[v] = true);
+            }
+        }
+        accepted
+    }
+
+    /// Q of a unit change of an edge's jump, on a patch of faces around it.
+    fn unit_cost(&mut self, e: EdgeId) -> f64 {
+        if let Some(cost) = self.unit_cost[e] {
+            return cost;
+        }
+        let cost = patch_cost(self.mesh, self.system, e);
+        self.unit_cost[e] = Some(cost);
+        cost
+    }
+}
+
+/// min over angles x of a patch around edge e of Σ (x_j - x_i - π/2·[edge is e])²: an upper bound of Q.
+fn patch_cost(mesh: &TriConnectivity, system: &SmoothnessSystem, e: EdgeId) -> f64 {
+    let h = mesh.half_edge(e);
+    let Some(t) = mesh.twin(h) else { return FRAC_PI_2 * FRAC_PI_2 };
+    // 1. Free faces around the edge, breadth first.
+    let (i, j) = (mesh.face(h), mesh.face(t));
+    let mut patch: Vec<FaceId> = [i, j].into_iter().filter(|&f| system.is_free(f)).collect();
+    let mut at = 0;
+    while at < patch.len() && patch.len() < PATCH_FACES {
+        for g in crate::system::neighbours(mesh, patch[at]) {
+            if system.is_free(g) && !patch.contains(&g) {
+                patch.push(g);
+            }
+        }
+        at += 1;
+    }
+    // 2. Dense normal equations, faces outside at zero.
+    let n = patch.len();
+    let place = |f: FaceId| patch.iter().position(|&g| g == f);
+    let mut matrix = vec![0.0; n * n];
+    let mut x = vec![0.0; n];
+    for (row, &f) in patch.iter().enumerate() {
+        for g in crate::system::neighbours(mesh, f) {
+            matrix[row * n + row] += 1.0;
+            if let Some(column) = place(g) {
+                matrix[row * n + column] -= 1.0;
+            }
+        }
+        x[row] = FRAC_PI_2 * (f64::from(u8::from(f == j)) - f64::from(u8::from(f == i)));
+    }
+    cholesky_solve(&mut matrix, &mut x);
+    let value = |f: FaceId| place(f).map_or(0.0, |k| x[k]);
+    FRAC_PI_2 * (FRAC_PI_2 - (value(j) - value(i)))
+}
+
+/// Solves a small positive definite system in place: lower factor in `matrix`, solution in `x`.
+fn cholesky_solve(matrix: &mut [f64], x: &mut [f64]) {
+    let n = x.len();
+    for j in 0..n {
+        for i in j..n {
+            let dot: f64 = (0..j).map(|k| matrix[i * n + k] * matrix[j * n + k]).sum();
+            let value = matrix[i * n + j] - dot;
+            matrix[i * n + j] = if i == j { value.max(1e-12).sqrt() } else { value / matrix[j * n + j] };
+        }
+    }
+    for i in 0..n {
+        let dot: f64 = (0..i).map(|k| matrix[i * n + k] * x[k]).sum();
+        x[i] = (x[i] - dot) / matrix[i * n + i];
+    }
+    for i in (0..n).rev() {
+        let dot: f64 = (i + 1..n).map(|k| matrix[k * n + i] * x[k]).sum();
+        x[i] = (x[i] - dot) / matrix[i * n + i];
+    }
+}
+
+/// Cancellation of pairs.
+impl Search<'_> {
+    /// Joins opposite pairs along shortest paths, cheapest first; whether any was joined.
+    fn cancel_pairs(&mut self, progress: &Progress) -> Result<bool, FieldError> {
+        let mut list: Vec<(f64, Transfer)> =
+            self.opposite_pairs().into_iter().map(|t| (self.estimated_change(&t), t)).collect();
+        list.retain(|(change, transfer)| *change < self.allowance(transfer) + 0.3);
+        list.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| (a.1.from, a.1.to).cmp(&(b.1.from, b.1.to))));
+        let mut joined = false;
+        for batch in list.chunks(8) {
+            progress.check()?;
+            let changes: Vec<&[(EdgeId, i32)]> = batch.iter().map(|(_, t)| t.changes.as_slice()).collect();
+            let responses = self.system.responses(&changes);
+            self.counts.solves += 1;
+            for (column, (_, transfer)) in batch.iter().enumerate() {
+                if self.index[transfer.from] <= 0 || self.index[transfer.to] >= 0 {
+                    continue;
+                }
+                let x = |f: FaceId| self.system.change(&responses, column, f);
+                if self.exact_change(transfer, x) >= self.allowance(transfer) {
+                    continue;
+                }
+                let moved = FaceMap::from_fn(self.mesh.face_count(), |f| self.field.angle[f] + x(f));
+                self.apply(&transfer.changes);
+                self.field.angle = moved;
+                self.refresh_turns();
+                self.counts.cancelled_pairs += 1;
+                joined = true;
+            }
+        }
+        Ok(joined)
+    }
+
+    /// Rise of the energy at which a pair is still joined.
+    fn allowance(&self, transfer: &Transfer) -> f64 {
+        let near = if transfer.length <= self.options.cancel_distance { self.options.near_pair_cost } else { 0.0 };
+        2.0 * self.options.singularity_cost + near - 1e-9
+    }
+
+    /// Change of the energy if the path's cost were that of a regular triangulation.
+    ///
+    /// Q is (π/2)² times the effective resistance between the ends, (ln d + γ + ln(12)/2) / (√3·π) at d edges.
+    fn estimated_change(&self, transfer: &Transfer) -> f64 {
+        let hops = transfer.changes.len() as f64;
+        let resistance = (hops.ln() + 1.8197) / (3f64.sqrt() * PI);
+        self.linear_change(transfer) + FRAC_PI_2 * FRAC_PI_2 * resistance
+    }
+
+    fn linear_change(&self, transfer: &Transfer) -> f64 {
+        -PI * transfer.changes.iter().map(|&(e, amount)| f64::from(amount) * self.turn[e]).sum::<f64>()
+    }
+
+    /// Exact change of the energy, given the angles' response.
+    fn exact_change(&self, transfer: &Transfer, x: impl Fn(FaceId) -> f64) -> f64 {
+        let path: f64 = transfer
+            .changes
+            .iter()
+            .map(|&(e, amount)| {
+                let (i, j) = self.mesh.edge_faces(e);
+                let response = j.map_or(0.0, |j| x(j) - x(i));
+                f64::from(amount) * (FRAC_PI_2 * f64::from(amount) - response)
+            })
+            .sum();
+        self.linear_change(transfer) + FRAC_PI_2 * path
+    }
+
+    /// Shortest paths from every positive singularity to the negative ones within reach, at most four each.
+    fn opposite_pairs(&self) -> Vec<Transfer> {
+        let mut transfers = Vec::new();
+        let mut distance = VertexMap::filled(self.mesh.vertex_count(), f64::INFINITY);
+        let mut via: VertexMap<Option<EdgeId>> = VertexMap::filled(self.mesh.vertex_count(), None);
+        for from in self.mesh.vertices().filter(|&v| self.index[v] > 0) {
+            let mut reached = vec![from];
+            distance[from] = 0.0;
+            let mut heap = BinaryHeap::from([Reverse((Key(0.0), from.0))]);
+            let mut found = 0;
+            while let Some(Reverse((Key(d), v))) = heap.pop() {
+                let v = VertexId(v);
+                if d > distance[v] {
+                    continue;
+                }
+                if self.index[v] < 0 && self.group[v] == self.group[from] {
+                    transfers.push(self.transfer(from, v, &via, d));
+                    found += 1;
+                    if found == 4 {
+                        break;
+                    }
+                }
+                for e in self.mesh.vertex_edges(v) {
+                    let next = d + self.length[e];
+                    if next > self.options.reach || !self.is_crossable(e) {
+                        continue;
+                    }
+                    let [a, b] = self.mesh.ends(e);
+                    let w = if a == v { b } else { a };
+                    if next < distance[w] {
+                        if distance[w] == f64::INFINITY {
+                            reached.push(w);
+                        }
+                        distance[w] = next;
+                        via[w] = Some(e);
+                        heap.push(Reverse((Key(next), w.0)));
+                    }
+                }
+            }
+            for v in reached {
+                distance[v] = f64::INFINITY;
+                via[v] = None;
+            }
+        }
+        transfers
+    }
+
+    /// Whether an edge's jump is free to change, whatever the groups of its ends.
+    fn is_crossable(&self, e: EdgeId) -> bool {
+        let (i, j) = self.mesh.edge_faces(e);
+        j.is_some_and(|j| self.system.is_free(i) || self.system.is_free(j))
+    }
+
+    fn transfer(&self, from: VertexId, to: VertexId, via: &VertexMap<Option<EdgeId>>, length: f64) -> Transfer {
+        let (mut changes, mut at) = (Vec::new(), to);
+        while let Some(e) = via[at] {
+            let [a, b] = self.mesh.ends(e);
+            // Index leaves the origin of the canonical half-edge when its jump falls.
+            changes.push((e, if at == b { -1 } else { 1 }));
+            at = if at == b { a } else { b };
+        }
+        Transfer { from, to, changes, length }
+    }
+}
+
+/// A finite number ordered by value.
+#[derive(Clone, Copy, PartialEq)]
+struct Key(f64);
+
+impl Eq for Key {}
+impl PartialOrd for Key {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Key {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+/// Groups of vertices that may exchange index: vertices with the same prescriptions.
+pub(crate) fn index_groups<'b>(
+    mesh: &TriConnectivity,
+    sums: impl Iterator<Item = (&'b [VertexId], i32)>,
+) -> VertexMap<u32> {
+    let mut prescriptions: VertexMap<Vec<u32>> = VertexMap::filled(mesh.vertex_count(), Vec::new());
+    for (number, (list, _)) in sums.enumerate() {
+        for &v in list {
+            prescriptions[v].push(number as u32);
+        }
+    }
+    let mut known = std::collections::BTreeMap::from([(Vec::new(), 0u32)]);
+    VertexMap::from_fn(mesh.vertex_count(), |v| {
+        let next = known.len() as u32;
+        *known.entry(std::mem::take(&mut prescriptions[v])).or_insert(next)
+    })
+}

@@ -1,0 +1,164 @@
+//! Cross field solve: constraints in, the smoothest field with few singularities out.
+//!
+//! In: connectivity, edge lengths, constraints. Out: a cross field and a report.
+//! Holds: hard directions exactly (up to quarter turns); prescribed indices and index sums exactly; angles minimise
+//! Eq. (8.1) for the period jumps found. Not: the global optimum over the period jumps.
+//! Source: [Bommes2012] §8.2, §8.6.
+//!
+//! 1. Roots: constrained faces, and one face per component without any.
+//! 2. Start: period jumps by mixed-integer rounding or from the globally optimal field.
+//! 3. Local search over the singularities.
+
+use crate::constraints::{FieldConstraints, SoftDirection};
+use crate::cross_field::{CrossField, nearest_jump};
+use crate::error::FieldError;
+use crate::mixed_integer::mixed_integer_jumps;
+use crate::search::{Search, SearchOptions, index_groups};
+use crate::smoothest::smoothest_angles;
+use crate::system::{Roots, SmoothnessSystem};
+use crate::transport::Transport;
+use quadloom_mesh::{EdgeMap, FaceId, FaceMap, Progress, TriConnectivity};
+use quadloom_numeric::{Rounding, SolveReport};
+use std::f64::consts::FRAC_PI_2;
+use std::time::Instant;
+
+/// How the first period jumps are found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FieldStart {
+    /// From the globally optimal direction field ([Knoppel2013]); where indices are prescribed, as `Rounded` greedily.
+    Smoothest,
+    /// By the mixed-integer solver ([Bommes2012] §8.2).
+    Rounded(Rounding),
+}
+
+/// How a cross field is solved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldOptions {
+    /// How the first period jumps are found.
+    pub start: FieldStart,
+    /// Whether singularities are moved and joined afterwards ([Bommes2012] §8.2, local search).
+    pub local_search: bool,
+    /// Rise of the energy (8.1) that one quarter of index less is worth, radians². Larger: fewer singularities, more
+    /// distortion.
+    pub singularity_cost: f64,
+    /// Opposite singularities closer than this are joined if that is not too dear, file units. About 1.5 quad edges:
+    /// nearer pairs collapse in the integer-grid map. Default 0: none.
+    pub cancel_distance: f64,
+    /// Rise of the energy at which a near pair is still joined, radians².
+    pub near_pair_cost: f64,
+    /// Opposite singularities farther apart are not considered as a pair, file units. Default: unlimited.
+    pub reach: f64,
+}
+
+impl Default for FieldOptions {
+    fn default() -> Self {
+        Self {
+            start: FieldStart::Smoothest,
+            local_search: true,
+            singularity_cost: 0.0,
+            cancel_distance: 0.0,
+            near_pair_cost: 1.0,
+            reach: f64::INFINITY,
+        }
+    }
+}
+
+/// What a solve did.
+#[derive(Clone, Debug, Default)]
+pub struct FieldReport {
+    /// Faces whose angle was free.
+    pub free_faces: usize,
+    /// Faces fixed because their component has no constraint.
+    pub anchors: Vec<FaceId>,
+    /// Report of the mixed-integer solver, if it made the start.
+    pub rounding: Option<SolveReport>,
+    /// Energy (8.1) of the start, radians².
+    pub start_energy: f64,
+    /// Singularities of the start.
+    pub start_singularities: usize,
+    /// Energy (8.1) of the result, radians².
+    pub energy: f64,
+    /// Singularities of the result.
+    pub singularities: usize,
+    /// Moves of singularities along edges.
+    pub moves: usize,
+    /// Pairs of singularities that were joined.
+    pub cancelled_pairs: usize,
+    /// Seconds for the start, and for the search.
+    pub seconds: [f64; 2],
+}
+
+/// Solves for a smooth cross field under constraints.
+///
+/// # Input      length: of every edge, file units; constraints: angles in radians, indices in quarters
+/// # Output     the field and what happened
+/// # Errors     sizes that do not fit, prescriptions without a field, cancellation
+/// # Cost       two sparse factorisations and a few dozen solves: near-linear
+/// # Guarantees see the module
+/// # Source     [Bommes2012] §8.2, Eqs. (8.1) to (8.3)
+pub fn solve_cross_field(
+    mesh: &TriConnectivity,
+    transport: &Transport,
+    length: &EdgeMap<f64>,
+    constraints: &FieldConstraints,
+    options: &FieldOptions,
+    progress: &Progress,
+) -> Result<(CrossField, FieldReport), FieldError> {
+    constraints.validate(mesh)?;
+    progress.check()?;
+    let clock = Instant::now();
+    let mut report = FieldReport::default();
+    // 1. Roots.
+    let mut roots = Roots::new(mesh, constraints);
+    report.anchors = roots.anchors.clone();
+    // 2. Start.
+    let period_jump = match options.start {
+        FieldStart::Smoothest if !constraints.prescribes_indices() => {
+            let angle = smoothest_angles(mesh, transport, &roots, progress)?;
+            turn_soft_directions(&mut roots, &angle);
+            EdgeMap::from_fn(mesh.edge_count(), |e| nearest_jump(mesh, transport, &angle, e))
+        }
+        start => {
+            let rounding = if let FieldStart::Rounded(rounding) = start { rounding } else { Rounding::Greedy };
+            let (jumps, rounded) =
+                mixed_integer_jumps(mesh, transport, length, &roots, constraints, rounding, progress)?;
+            report.rounding = Some(rounded);
+            jumps
+        }
+    };
+    let system = SmoothnessSystem::new(mesh, transport, roots)?;
+    report.free_faces = system.free_faces();
+    let search_options = SearchOptions {
+        singularity_cost: options.singularity_cost,
+        cancel_distance: options.cancel_distance,
+        near_pair_cost: options.near_pair_cost,
+        reach: options.reach,
+    };
+    let groups = index_groups(mesh, constraints.index_sums());
+    let mut search = Search::new(mesh, transport, length, &system, groups, period_jump, search_options);
+    report.start_energy = search.field().energy(mesh, transport);
+    report.start_singularities = search.field().singularities(mesh, transport).len();
+    report.seconds[0] = clock.elapsed().as_secs_f64();
+    // 3. Local search.
+    let clock = Instant::now();
+    if options.local_search {
+        search.run(progress)?;
+    }
+    report.moves = search.counts.moves;
+    report.cancelled_pairs = search.counts.cancelled_pairs;
+    let field = search.into_field();
+    report.energy = field.energy(mesh, transport);
+    report.singularities = field.singularities(mesh, transport).len();
+    report.seconds[1] = clock.elapsed().as_secs_f64();
+    Ok((field, report))
+}
+
+/// Takes of each soft direction's four branches the one nearest to the field.
+fn turn_soft_directions(roots: &mut Roots, angle: &FaceMap<f64>) {
+    for f in angle.ids() {
+        if let Some(soft) = roots.soft[f] {
+            let turns = ((angle[f] - soft.angle) / FRAC_PI_2).round();
+            roots.soft[f] = Some(SoftDirection { angle: soft.angle + FRAC_PI_2 * turns, ..soft });
+        }
+    }
+}
