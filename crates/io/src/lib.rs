@@ -1,1 +1,33 @@
-//! io
+//! Files of surfaces, cross fields, features, singularities and guides.
+//!
+//! In: paths. Out: plain values, in the file's own order and numbers; or an [`IoError`] with path, place and cure.
+//! Holds: hostile files end in an error, never in a panic or in memory beyond a small multiple of their size.
+#![warn(missing_docs)]
+
+mod atomic;
+mod error;
+mod features;
+mod fields;
+mod format;
+mod glb;
+mod guides;
+mod obj;
+mod off;
+mod ply;
+mod singularities;
+mod stl;
+mod surface;
+mod text;
+mod triangulate;
+mod vtu;
+
+pub use atomic::write_atomically;
+pub use error::{ContentDefect, IoError, Place};
+pub use features::{
+    FeatureFile, SharpSide, read_features, read_sharp, read_vertex_pairs, write_sharp, write_vertex_pairs,
+};
+pub use fields::{RawField, read_rawfield, read_rosy, write_rawfield, write_rosy};
+pub use format::Format;
+pub use guides::{Guide, read_guides, write_guides};
+pub use singularities::{Singularity, read_singularities, write_singularities};
+pub use surface::{Encoding, SurfaceOut, WriteOptions, WriteWarning, read_soup, write_surface};
