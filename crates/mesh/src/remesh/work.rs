@@ -348,8 +348,10 @@ impl Work {
             self.join(p, f3 + 1);
             self.join(f2, f3);
             self.vertices[d as usize].valence += 1;
-            if self.out[b as usize] == t {
-                self.out[b as usize] = f3;
+            for (v, old, new) in [(b, t, f3), (d, p, f3 + 2)] {
+                if self.out[v as usize] == old {
+                    self.out[v as usize] = new;
+                }
             }
             self.segment[f3 as usize] = s;
             self.segment[t as usize] = s;
@@ -525,5 +527,60 @@ impl Iterator for Ring<'_> {
         let g = self.work.twin(prev(h));
         self.next = if g == self.start { NONE } else { g };
         Some(h)
+    }
+}
+
+//#[cfg(test)]
+impl Work {
+    /// The first broken invariant, if there is one.
+    pub fn validate(&self) -> Result<(), String> {
+        for h in 0..self.origin.len() as u32 {
+            if !self.alive(h) {
+                continue;
+            }
+            let t = self.twin(h);
+            if t != NONE {
+                if !self.alive(t) || self.twin(t) != h || self.org(t) != self.tgt(h) || self.tgt(t) != self.org(h) {
+                    return Err(format!("half-edge {h} and its twin {t} do not match"));
+                }
+                if self.seg(t) != self.seg(h) {
+                    return Err(format!("half-edge {h} and its twin {t} have different segments"));
+                }
+            }
+            if self.seg(h) != NONE {
+                let mut ends = self.segments[self.seg(h) as usize].ends;
+                let mut own = [self.org(h), self.tgt(h)];
+                ends.sort_unstable();
+                own.sort_unstable();
+                if ends != own {
+                    return Err(format!("segment of {h} has ends {ends:?}, not {own:?}"));
+                }
+            }
+            if self.out[self.org(h) as usize] == NONE {
+                return Err(format!("half-edge {h} starts at the dead vertex {}", self.org(h)));
+            }
+        }
+        let mut corners = vec![0u32; self.out.len()];
+        for &v in self.origin.iter().filter(|&&v| v != NONE) {
+            corners[v as usize] += 1;
+        }
+        for v in 0..self.out.len() as u32 {
+            let h = self.out[v as usize];
+            if h == NONE {
+                continue;
+            }
+            if !self.alive(h) || self.org(h) != v {
+                return Err(format!("outgoing half-edge {h} of vertex {v} starts elsewhere"));
+            }
+            if self.ring(v).count() as u32 != corners[v as usize] {
+                return Err(format!("vertex {v}: {} of {} corners reached", self.ring(v).count(), corners[v as usize]));
+            }
+            let mut valence = 0;
+            self.for_neighbours(v, |_, _| valence += 1);
+            if valence != self.vertices[v as usize].valence {
+                return Err(format!("vertex {v} has {valence} edges, not {}", self.vertices[v as usize].valence));
+            }
+        }
+        Ok(())
     }
 }
