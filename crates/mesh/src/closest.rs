@@ -322,6 +322,20 @@ impl Line {
     }
 }
 
+/// Numbers of the points that lie on the inside of a segment, up to `tolerance`, and not at its ends.
+pub(crate) fn segments_through(points: &[DVec3], segments: &[[DVec3; 2]], tolerance: f64) -> Vec<usize> {
+    let index = SegmentTree::new(segments);
+    let limit = Nearest { squared: tolerance * tolerance, ..Nearest::NONE };
+    let inside = |p: DVec3| {
+        index.tree.nearest(p, limit, |slot| {
+            let [a, b] = index.ends[slot as usize];
+            let at_end = a.distance(p).min(b.distance(p)) <= 2.0 * tolerance;
+            if at_end { f64::INFINITY } else { a.lerp(b, closest_parameter(a, b, p)).distance_squared(p) }
+        })
+    };
+    (0..points.len()).filter(|&i| inside(points[i]).id != u32::MAX).collect()
+}
+
 /// An axis-parallel box.
 #[derive(Clone, Copy, Debug)]
 struct Aabb {

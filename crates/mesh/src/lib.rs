@@ -14,6 +14,7 @@ pub mod metric;
 pub mod progress;
 pub mod refine;
 pub mod remesh;
+pub mod repair;
 pub mod shapes;
 pub mod soup;
 pub mod surface_point;
