@@ -87,7 +87,9 @@ pub enum ExtractError {
     #[error("the map is not an integer-grid map: {} ({} such defects)", .0[0], .0.len())]
     Map(Vec<MapDefect>),
     /// A coordinate is too large for exact arithmetic.
-    #[error("corner {corner} of the map is {grid_units} grid units from the origin; at most 67 million can be decided exactly")]
+    #[error(
+        "corner {corner} of the map is {grid_units} grid units from the origin; at most 67 million can be decided exactly"
+    )]
     Range {
         /// The corner.
         corner: HalfEdgeId,
@@ -407,8 +409,7 @@ fn collect_polygons(ribbon: &Ribbon, walker: &Walker, places: &Places) -> Result
             polygons.push(Polygon { ports, quads: vec![[0, 1, 2, 3]] });
             continue;
         }
-        let corner: Vec<DVec3> =
-            ports.iter().map(|&p| places.position[places.of_port(walker, p) as usize]).collect();
+        let corner: Vec<DVec3> = ports.iter().map(|&p| places.position[places.of_port(walker, p) as usize]).collect();
         if let Some(quads) = quadrangulate(&corner) {
             polygons.push(Polygon { ports, quads });
         } else {
@@ -461,8 +462,7 @@ fn assemble(
         feature_edges[mesh.edge(h)] = feature_edges[mesh.edge(h)].or(side);
     }
     let origin = point_of_vertex.iter().map(|&q| places.origin[q as usize]).collect();
-    let placement =
-        point_of_vertex.iter().map(|&q| placement(walker, &walker.points.points[q as usize])).collect();
+    let placement = point_of_vertex.iter().map(|&q| placement(walker, &walker.points.points[q as usize])).collect();
     Ok(Extraction { mesh, origin, placement, feature_edges, grid: FaceMap::from_vec(grid), report })
 }
 
@@ -500,9 +500,7 @@ fn grid_square(walker: &Walker, port: u32) -> GridSquare {
     let turn = if walker.sign[mesh.face(half_edge)] < 0 { 3 } else { 1 };
     let first = GridSegment::from(start, direction);
     let (d, e) = (DIRECTION[direction as usize], DIRECTION[((direction + turn) % 4) as usize]);
-    let unit = |p: [i64; 2], i: i64, j: i64| {
-        [0, 1].map(|k| (p[k] / GRID_UNIT + i * d[k] + j * e[k]) as i32)
-    };
+    let unit = |p: [i64; 2], i: i64, j: i64| [0, 1].map(|k| (p[k] / GRID_UNIT + i * d[k] + j * e[k]) as i32);
     let at = first.start();
     [unit(at, 0, 0), unit(at, 1, 0), unit(at, 1, 1), unit(at, 0, 1)]
 }

@@ -161,8 +161,7 @@ mod tests {
         for y in -12..=12 {
             for x in -12..=12 {
                 let p = [x * GRID_UNIT, y * GRID_UNIT];
-                let s: Vec<i128> =
-                    (0..3).map(|k| signed_area(corner[k], corner[(k + 1) % 3], p).signum()).collect();
+                let s: Vec<i128> = (0..3).map(|k| signed_area(corner[k], corner[(k + 1) % 3], p).signum()).collect();
                 if s[0] != 0 && s.iter().all(|&x| x == s[0]) {
                     list.push(p);
                 }

@@ -117,8 +117,7 @@ impl Ports {
                 for h in mesh.outgoing(v) {
                     self.along(map, mesh, point, h, true);
                     let last = mesh.prev(h);
-                    let arms =
-                        [difference(map.uv[h], map.uv[mesh.next(h)]), difference(map.uv[h], map.uv[last])];
+                    let arms = [difference(map.uv[h], map.uv[mesh.next(h)]), difference(map.uv[h], map.uv[last])];
                     self.inside(point, h, sign[mesh.face(h)], arms);
                     if mesh.twin(last).is_none() {
                         self.along(map, mesh, point, last, false);
@@ -148,7 +147,14 @@ impl Ports {
     }
 
     /// The port along an edge, if the edge follows a grid line.
-    fn along(&mut self, map: &IntegerGridMap, mesh: &TriConnectivity, point: u32, half_edge: HalfEdgeId, forward: bool) {
+    fn along(
+        &mut self,
+        map: &IntegerGridMap,
+        mesh: &TriConnectivity,
+        point: u32,
+        half_edge: HalfEdgeId,
+        forward: bool,
+    ) {
         let d = difference(map.uv[half_edge], map.uv[mesh.next(half_edge)]);
         if (d[0] == 0) != (d[1] == 0) {
             self.list.push(Port { point, site: Site::Edge { half_edge, forward } });

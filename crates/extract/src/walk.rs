@@ -10,8 +10,8 @@ use crate::grid_points::{Carrier, GridPoints};
 use crate::lattice::{GridSegment, cross_direction, difference, opposite};
 use crate::ports::{Ports, Site, SiteKey};
 use quadloom_mesh::{ChainId, EdgeId, FaceMap, FeatureGraph, HalfEdgeId, TriMesh};
-use quadloom_param::{IntegerGridMap, LatticePoint};
 use quadloom_param::integer_grid_map::signed_area;
+use quadloom_param::{IntegerGridMap, LatticePoint};
 
 /// What a walk reads.
 pub(crate) struct Walker<'a> {
@@ -156,9 +156,8 @@ impl Walker<'_> {
                 let sign = i64::from(self.sign[f]);
                 let sides = self.mesh.face_half_edges(f);
                 let crossed = |k: &HalfEdgeId| side(*k) * sign < 0 && side(self.mesh.next(*k)) * sign > 0;
-                let ahead = |k: &HalfEdgeId| {
-                    side(*k) == 0 && segment.along(self.map.uv[*k]) > segment.along(segment.start())
-                };
+                let ahead =
+                    |k: &HalfEdgeId| side(*k) == 0 && segment.along(self.map.uv[*k]) > segment.along(segment.start());
                 let exit = sides.into_iter().find(crossed).map(Exit::Side);
                 exit.or_else(|| sides.into_iter().find(ahead).map(Exit::Corner)).map(|e| (e, 1))
             }
@@ -208,12 +207,7 @@ impl Walker<'_> {
     }
 
     /// Runs along an edge to its end, or to the grid point on the way.
-    fn follow_edge(
-        &self,
-        segment: GridSegment,
-        h: HalfEdgeId,
-        forward: bool,
-    ) -> Result<(GridSegment, State), Arrival> {
+    fn follow_edge(&self, segment: GridSegment, h: HalfEdgeId, forward: bool) -> Result<(GridSegment, State), Arrival> {
         let (a, b) = (h, self.mesh.next(h));
         let (from, to) = if forward { (a, b) } else { (b, a) };
         let end = segment.along(self.map.uv[to]);
@@ -233,7 +227,12 @@ impl Walker<'_> {
 
     /// Continues the line through a mesh vertex: the first branch of the level set counter-clockwise of the one it
     /// came through, or, if the boundary is in the way, clockwise.
-    fn pass_vertex(&self, segment: GridSegment, corner: HalfEdgeId, came: Came) -> Result<(GridSegment, State), Arrival> {
+    fn pass_vertex(
+        &self,
+        segment: GridSegment,
+        corner: HalfEdgeId,
+        came: Came,
+    ) -> Result<(GridSegment, State), Arrival> {
         self.turn(segment, corner, came, true)
             .or_else(|| self.turn(segment, corner, came, false))
             .ok_or(Arrival::Outside)

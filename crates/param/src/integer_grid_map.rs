@@ -128,7 +128,8 @@ impl IntegerGridMap {
             return 0;
         }
         let turns: u32 = mesh.outgoing(v).map(|h| u32::from(self.transition[h].quarter_turns)).sum();
-        match turns % 4 {
+        // Outgoing half-edges are crossed clockwise, which sees the missing turns as additional ones.
+        match (4 - turns % 4) % 4 {
             3 => -1,
             t => t as i32,
         }
