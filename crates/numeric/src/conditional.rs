@@ -8,7 +8,7 @@
 //! Source: [Bommes2012] §5.2.2 asks for the re-solved relaxation after each rounding; here it is read off
 //! a Cholesky factorisation of S⁻¹ whose pivots are chosen by the rounding, column by column as needed.
 
-use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, Par};
 
 /// Relaxed integers under fixings that can be undone.
@@ -107,18 +107,34 @@ pub(crate) struct Saved {
     fixings: usize,
 }
 
-/// (L·Lᵀ)⁻¹ = L⁻ᵀ·L⁻¹.
+/// (L·Lᵀ)⁻¹ = L⁻ᵀ·L⁻¹, only one triangle of which is computed.
 fn inverse_from_factor(factor: &Mat<f64>) -> Vec<f64> {
     let k = factor.nrows();
     let mut inverse_factor = Mat::<f64>::zeros(k, k);
     faer::linalg::triangular_inverse::invert_lower_triangular(inverse_factor.as_mut(), factor.as_ref(), Par::Seq);
     let mut product = Mat::<f64>::zeros(k, k);
-    let m = inverse_factor.as_ref();
-    matmul(product.as_mut(), Accum::Replace, m.transpose(), m, 1.0, Par::Seq);
-    (0..k).flat_map(|i| (0..k).map(move |j| (i, j))).map(|(i, j)| product[(i.max(j), i.min(j))]).collect()
+    matmul(
+        product.as_mut(),
+        BlockStructure::TriangularLower,
+        Accum::Replace,
+        inverse_factor.transpose(),
+        BlockStructure::TriangularUpper,
+        inverse_factor.as_ref(),
+        BlockStructure::TriangularLower,
+        1.0,
+        Par::Seq,
+    );
+    let mut inverse = vec![0.0; k * k];
+    for j in 0..k {
+        for i in j..k {
+            inverse[i * k + j] = product[(i, j)];
+            inverse[j * k + i] = product[(i, j)];
+        }
+    }
+    inverse
 }
 
-/// Four partial sums in fixed order: vectorises, and gives the same bytes everywhere.
+/// Eight partial sums in fixed order: vectorises, and gives the same bytes everywhere.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));

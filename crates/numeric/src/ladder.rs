@@ -5,19 +5,27 @@
 //! diagonal entry, that is, no single variable would move by more than `tolerance`.
 //!
 //! Source: [Bommes2012] §5.2.2. Differs: residuals are kept up to date instead of recomputed, and a
-//! variable enters the queue only when its residual exceeds the tolerance.
+//! variable enters the queue only when its residual exceeds the tolerance; steps are over-relaxed; integers
+//! that only link few variables are eliminated on the fly.
 
 use std::collections::VecDeque;
 
 use crate::cholesky::{CholeskyError, SparseCholesky};
 use crate::reduce::Reduced;
 
+/// Followers of more neighbours would make a step of one variable visit too many others.
+const FOLLOWER_NEIGHBOURS: usize = 4;
+
 /// When each level of the ladder gives up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LadderOptions {
-    /// Largest movement a variable may still want, in units of the variables. Default 1e-3. Larger:
-    /// estimates drift and roundings go wrong. Smaller: more sweeps, ever farther from the rounded integer.
+    /// Largest movement a variable may still want, in units of the variables. Default 3e-3: within 0.5 % of
+    /// the energy of exact updates on cross fields. Larger: estimates drift and roundings go wrong (1e-2:
+    /// 3 to 7 % more energy). Smaller: more sweeps, ever farther from the rounded integer.
     pub tolerance: f64,
+    /// Factor on each Gauss-Seidel step, in 0..2. Default 1.3. Larger: fewer steps over long distances, until
+    /// overshooting (beyond 1.5) costs more than it saves. 1: plain Gauss-Seidel.
+    pub over_relaxation: f64,
     /// Single-variable updates for each rounding before conjugate gradients take over. Default 100,000
     /// ([Bommes2012] §5.3, orientation field); 0 skips the level.
     pub gauss_seidel_limit: usize,
@@ -28,7 +36,7 @@ pub struct LadderOptions {
 
 impl Default for LadderOptions {
     fn default() -> Self {
-        Self { tolerance: 1e-3, gauss_seidel_limit: 100_000, conjugate_gradient_limit: 50 }
+        Self { tolerance: 3e-3, over_relaxation: 1.3, gauss_seidel_limit: 100_000, conjugate_gradient_limit: 50 }
     }
 }
 
@@ -46,6 +54,10 @@ pub(crate) struct Ladder<'a> {
     cholesky: &'a mut SparseCholesky,
     options: LadderOptions,
     diagonal: Vec<f64>,
+    /// Unfixed integers that follow every step of their neighbours at once, see [`follower_set`].
+    follows: Vec<bool>,
+    /// The diagonal once followers are eliminated: by how much a step changes its own residual.
+    stiffness: Vec<f64>,
     y: Vec<f64>,
     /// b − A·y; of no meaning in fixed rows.
     residual: Vec<f64>,
@@ -59,13 +71,23 @@ pub(crate) struct Ladder<'a> {
 
 impl<'a> Ladder<'a> {
     /// `y`: the relaxed solution; `cholesky`: analysed for the matrix.
-    pub fn new(system: &'a Reduced, cholesky: &'a mut SparseCholesky, y: Vec<f64>, options: LadderOptions) -> Self {
+    pub fn new(
+        system: &'a Reduced,
+        integers: &[u32],
+        cholesky: &'a mut SparseCholesky,
+        y: Vec<f64>,
+        options: LadderOptions,
+    ) -> Self {
         let n = y.len();
+        let diagonal = system.matrix.diagonal();
+        let follows = follower_set(system, integers);
         let mut ladder = Self {
             system,
             cholesky,
             options,
-            diagonal: system.matrix.diagonal(),
+            stiffness: condensed_diagonal(system, &diagonal, &follows),
+            diagonal,
+            follows,
             y,
             residual: vec![0.0; n],
             fixed: vec![false; n],
@@ -94,7 +116,7 @@ impl<'a> Ladder<'a> {
     /// Fixes variables and climbs the ladder until the rest has settled.
     pub fn fix(&mut self, block: &[(usize, f64)]) -> Result<(), CholeskyError> {
         for &(j, value) in block {
-            self.fixed[j] = true;
+            self.mark_fixed(j);
             self.shift(j, value - self.y[j]);
             self.y[j] = value;
         }
@@ -105,8 +127,19 @@ impl<'a> Ladder<'a> {
     /// Fixes variables and leaves the rest as it is, to be settled by a later call.
     pub fn fix_without_update(&mut self, block: &[(usize, f64)]) {
         for &(j, value) in block {
-            self.fixed[j] = true;
+            self.mark_fixed(j);
             self.y[j] = value;
+        }
+    }
+
+    /// A follower that is fixed follows no more: its neighbours become stiffer.
+    fn mark_fixed(&mut self, j: usize) {
+        self.fixed[j] = true;
+        if std::mem::take(&mut self.follows[j]) {
+            let (columns, values) = self.system.matrix.row(j);
+            for (&k, &a) in columns.iter().zip(values).filter(|(k, _)| **k as usize != j) {
+                self.stiffness[k as usize] += a * a / self.diagonal[j];
+            }
         }
     }
 
@@ -122,7 +155,7 @@ impl<'a> Ladder<'a> {
         while let Some(k) = self.queue.pop_front() {
             let k = k as usize;
             self.queued[k] = false;
-            let step = self.residual[k] / self.diagonal[k];
+            let step = self.residual[k] / self.stiffness[k];
             if self.fixed[k] || step.abs() <= self.options.tolerance {
                 continue;
             }
@@ -132,24 +165,43 @@ impl<'a> Ladder<'a> {
             }
             left -= 1;
             self.counts.gauss_seidel_updates += 1;
+            let step = self.options.over_relaxation * step;
             self.y[k] += step;
             self.shift(k, step);
         }
         true
     }
 
-    /// y_k has moved by `step`: residuals follow, and those above tolerance are queued.
+    /// y_k moves by `step`: followers follow, residuals too, and those above tolerance are queued.
     fn shift(&mut self, k: usize, step: f64) {
         self.mark_moved(k);
         let (columns, values) = self.system.matrix.row(k);
         for (&j, &a) in columns.iter().zip(values) {
             let j = j as usize;
-            self.residual[j] -= a * step;
-            let wants = self.residual[j].abs() > self.options.tolerance * self.diagonal[j];
-            if wants && !self.fixed[j] && !self.queued[j] {
-                self.queued[j] = true;
-                self.queue.push_back(j as u32);
+            if self.follows[j] {
+                self.follow(j, -a * step / self.diagonal[j]);
+            } else {
+                self.add_residual(j, -a * step);
             }
+        }
+    }
+
+    /// A follower moves by `step`, which keeps its own residual at zero.
+    fn follow(&mut self, p: usize, step: f64) {
+        self.mark_moved(p);
+        self.y[p] += step;
+        let (columns, values) = self.system.matrix.row(p);
+        for (&j, &a) in columns.iter().zip(values).filter(|(j, _)| **j as usize != p) {
+            self.add_residual(j as usize, -a * step);
+        }
+    }
+
+    fn add_residual(&mut self, j: usize, change: f64) {
+        self.residual[j] += change;
+        let wants = self.residual[j].abs() > self.options.tolerance * self.stiffness[j];
+        if wants && !self.fixed[j] && !self.queued[j] {
+            self.queued[j] = true;
+            self.queue.push_back(j as u32);
         }
     }
 
@@ -191,7 +243,7 @@ impl<'a> Ladder<'a> {
     }
 
     fn is_settled(&self) -> bool {
-        let wants = |i: usize| self.residual[i].abs() > self.options.tolerance * self.diagonal[i];
+        let wants = |i: usize| self.residual[i].abs() > self.options.tolerance * self.stiffness[i];
         !(0..self.y.len()).any(|i| !self.fixed[i] && wants(i))
     }
 
@@ -202,9 +254,9 @@ impl<'a> Ladder<'a> {
         self.cholesky.factorize(&masked)?;
         let mut solution = self.masked_rhs();
         self.cholesky.solve(&mut solution);
-        for i in 0..self.y.len() {
+        for (i, &value) in solution.iter().enumerate() {
             if !self.fixed[i] {
-                self.y[i] = solution[i];
+                self.y[i] = value;
                 self.mark_moved(i);
             }
         }
@@ -225,4 +277,31 @@ impl<'a> Ladder<'a> {
             self.residual[i] = self.system.rhs[i] - self.system.matrix.row_dot(i, &self.y);
         }
     }
+}
+
+/// Integers of at most [`FOLLOWER_NEIGHBOURS`] neighbours, none of which is a follower.
+///
+/// An unfixed integer that only links two angles, say, takes up whatever difference they have. Swept like
+/// any other variable it holds its neighbours back at every step; eliminated on the fly it does not, and
+/// a sweep settles in a fraction of the updates.
+fn follower_set(system: &Reduced, integers: &[u32]) -> Vec<bool> {
+    let mut follows = vec![false; system.rhs.len()];
+    for &p in integers {
+        let (columns, _) = system.matrix.row(p as usize);
+        let alone = columns.iter().all(|&j| !follows[j as usize]);
+        follows[p as usize] = alone && columns.len() <= FOLLOWER_NEIGHBOURS + 1;
+    }
+    follows
+}
+
+/// A_kk − Σ A_kp²/A_pp over the followers p.
+fn condensed_diagonal(system: &Reduced, diagonal: &[f64], follows: &[bool]) -> Vec<f64> {
+    let mut condensed = diagonal.to_vec();
+    for p in (0..follows.len()).filter(|&p| follows[p]) {
+        let (columns, values) = system.matrix.row(p);
+        for (&k, &a) in columns.iter().zip(values).filter(|(k, _)| **k as usize != p) {
+            condensed[k as usize] -= a * a / diagonal[p];
+        }
+    }
+    condensed
 }

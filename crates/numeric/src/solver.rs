@@ -526,7 +526,7 @@ impl Stage<'_> {
         let clock = Instant::now();
         let options = self.options;
         let cancelled = || options.cancelled.is_some_and(|cancelled| cancelled());
-        let mut ladder = Ladder::new(self.system, cholesky, y, options.ladder);
+        let mut ladder = Ladder::new(self.system, self.integers, cholesky, y, options.ladder);
         let counts = match options.rounding {
             Rounding::Direct => {
                 let all: Vec<(usize, f64)> =

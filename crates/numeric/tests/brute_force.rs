@@ -63,9 +63,9 @@ fn minimise(case: &Case, given: &[(usize, f64)]) -> Option<f64> {
     }
     gauss(constraints.clone(), n)?;
     let mut system = vec![vec![0.0; n + m + 1]; n + m];
-    for i in 0..n {
-        system[i][..n].copy_from_slice(&case.a[i]);
-        system[i][n + m] = case.b[i];
+    for (i, row) in system.iter_mut().enumerate().take(n) {
+        row[..n].copy_from_slice(&case.a[i]);
+        row[n + m] = case.b[i];
     }
     for (r, row) in constraints.iter().enumerate() {
         for i in 0..n {
