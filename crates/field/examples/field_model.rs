@@ -14,7 +14,7 @@ use std::time::Instant;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let (mut files, mut options) = (Vec::new(), FieldOptions::default());
-    let (mut sharp, mut cancel, mut quads, mut remeshed) = (Some(35.0), 0.0, 3000.0, true);
+    let (mut sharp, mut cancel, mut quads, mut remeshed, mut loose) = (Some(35.0), 0.0, 3000.0, true, 2.0);
     while let Some(word) = arguments.next() {
         let mut number = || arguments.next().and_then(|s| s.parse::<f64>().ok()).unwrap_or(0.0);
         match word.as_str() {
@@ -24,6 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "--one" => options.start = FieldStart::Rounded(Rounding::GreedyOneByOne),
             "--raw" => remeshed = false,
             "--quads" => quads = number(),
+            "--loose" => loose = number(),
             "--no-search" => options.local_search = false,
             "--cost" => options.singularity_cost = number(),
             "--near" => options.near_pair_cost = number(),
@@ -35,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for file in files {
         let input = read_obj(&file)?;
         let target = (input.area() / quads).sqrt();
-        let features = FeatureOptions { sharp_angle: sharp, min_loose_length: 2.0 * target, ..Default::default() };
+        let features = FeatureOptions { sharp_angle: sharp, min_loose_length: loose * target, ..Default::default() };
         let (features, _) = FeatureGraph::detect(&input, &features);
         let (mesh, features) = match remeshed {
             true => {

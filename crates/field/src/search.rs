@@ -20,7 +20,7 @@ use crate::system::SmoothnessSystem;
 use crate::transport::Transport;
 use quadloom_mesh::{EdgeId, EdgeMap, FaceId, FaceMap, Progress, TriConnectivity, VertexId, VertexMap};
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeMap, BinaryHeap};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Faces of the patch on which the cost of a single move is computed.
@@ -31,6 +31,9 @@ const PATCH_FACES: usize = 40;
 
 /// A turn below this needs no exact cost: Q is above 0.15·(π/2)² on every edge of a reasonable mesh.
 const SMALLEST_MOVING_TURN: f64 = 0.15 * PI / 4.0;
+
+/// Radians² by which the estimate of a pair's cost may be too large before the pair is overlooked.
+const ESTIMATE_MARGIN: f64 = 0.1;
 
 /// What a search did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -70,6 +73,8 @@ pub(crate) struct Search<'a> {
     index: VertexMap<i32>,
     /// Q of a unit change of each edge's jump, once computed.
     unit_cost: EdgeMap<Option<f64>>,
+    /// Q of the shortest path between two vertices, once computed.
+    pair_cost: BTreeMap<(VertexId, VertexId), f64>,
     pub counts: SearchCounts,
 }
 
@@ -104,6 +109,7 @@ impl<'a> Search<'a> {
             turn: EdgeMap::filled(mesh.edge_count(), 0.0),
             index: VertexMap::filled(mesh.vertex_count(), 0),
             unit_cost: EdgeMap::filled(mesh.edge_count(), None),
+            pair_cost: BTreeMap::new(),
             counts: SearchCounts::default(),
         };
         for v in mesh.vertices() {
@@ -199,7 +205,7 @@ impl Search<'_> {
             self.apply(&accepted);
             self.solve();
             let after = self.energy();
-            let objective_change = after - before + self.options.singularity_cost * f64::from(index_change);
+            let objective_change = after - before + self.fee(index_change);
             if objective_change < 0.0 || accepted.len() == 1 {
                 self.counts.moves += accepted.len();
                 before = after;
@@ -228,7 +234,7 @@ impl Search<'_> {
                 continue;
             }
             let amount = if turn > 0.0 { 1 } else { -1 };
-            let fee = self.options.singularity_cost * f64::from(self.index_change(e, amount));
+            let fee = self.fee(self.index_change(e, amount));
             let linear = -PI * turn.abs() + fee;
             // Q is at most that of a change without response.
             if linear + FRAC_PI_2 * FRAC_PI_2 * 0.1 >= 0.0 {
@@ -241,6 +247,13 @@ impl Search<'_> {
         }
         list.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         list
+    }
+
+    /// Price of a change of Σ|4·I|. A pair that appears is a near one: it must gain what joining it may cost, lest pairs
+    /// come and go for ever.
+    fn fee(&self, index_change: i32) -> f64 {
+        let change = f64::from(index_change);
+        self.options.singularity_cost * change + self.options.near_pair_cost * 0.5 * change.max(0.0)
     }
 
     /// The best changes no two of which touch vertices within two rings of each other.
@@ -332,39 +345,49 @@ fn cholesky_solve(matrix: &mut [f64], x: &mut [f64]) {
 impl Search<'_> {
     /// Joins opposite pairs along shortest paths, cheapest first; whether any was joined.
     fn cancel_pairs(&mut self, progress: &Progress) -> Result<bool, FieldError> {
-        let mut list: Vec<(f64, Transfer)> =
-            self.opposite_pairs().into_iter().map(|t| (self.estimated_change(&t), t)).collect();
-        list.retain(|(change, transfer)| *change < self.allowance(transfer) + 0.3);
-        list.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| (a.1.from, a.1.to).cmp(&(b.1.from, b.1.to))));
+        // 1. Pairs that may pay, by the estimate of a regular triangulation.
+        let mut pairs = self.opposite_pairs();
+        pairs.retain(|t| self.estimated_change(t) < self.allowance(t) + ESTIMATE_MARGIN);
+        // 2. Their exact costs, unless known from an earlier round.
+        self.compute_costs(&pairs, progress)?;
+        // 3. Join the cheapest until none pays: only the linear part of a change depends on the others.
         let mut joined = false;
-        for batch in list.chunks(8) {
+        loop {
+            let change = |t: &Transfer| self.linear_change(t) + self.pair_cost[&(t.from, t.to)] - self.allowance(t);
+            let best = pairs.iter().enumerate().map(|(k, t)| (change(t), k)).min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((_, k)) = best.filter(|&(change, _)| change < -1e-9) else { break };
             progress.check()?;
-            let changes: Vec<&[(EdgeId, i32)]> = batch.iter().map(|(_, t)| t.changes.as_slice()).collect();
-            let responses = self.system.responses(&changes);
-            self.counts.solves += 1;
-            for (column, (_, transfer)) in batch.iter().enumerate() {
-                if self.index[transfer.from] <= 0 || self.index[transfer.to] >= 0 {
-                    continue;
-                }
-                let x = |f: FaceId| self.system.change(&responses, column, f);
-                if self.exact_change(transfer, x) >= self.allowance(transfer) {
-                    continue;
-                }
-                let moved = FaceMap::from_fn(self.mesh.face_count(), |f| self.field.angle[f] + x(f));
-                self.apply(&transfer.changes);
-                self.field.angle = moved;
-                self.refresh_turns();
-                self.counts.cancelled_pairs += 1;
-                joined = true;
-            }
+            let transfer = pairs.swap_remove(k);
+            self.apply(&transfer.changes);
+            self.solve();
+            self.counts.cancelled_pairs += 1;
+            joined = true;
+            pairs.retain(|t| self.index[t.from] > 0 && self.index[t.to] < 0);
         }
         Ok(joined)
+    }
+
+    /// Q of every path that is not known yet, eight right-hand sides at a time.
+    fn compute_costs(&mut self, pairs: &[Transfer], progress: &Progress) -> Result<(), FieldError> {
+        let unknown: Vec<&Transfer> =
+            pairs.iter().filter(|t| !self.pair_cost.contains_key(&(t.from, t.to))).collect();
+        for batch in unknown.chunks(8) {
+            progress.check()?;
+            let changes: Vec<&[(EdgeId, i32)]> = batch.iter().map(|t| t.changes.as_slice()).collect();
+            let responses = self.system.responses(&changes);
+            self.counts.solves += batch.len();
+            for (column, transfer) in batch.iter().enumerate() {
+                let cost = self.path_cost(transfer, |f| self.system.change(&responses, column, f));
+                self.pair_cost.insert((transfer.from, transfer.to), cost);
+            }
+        }
+        Ok(())
     }
 
     /// Rise of the energy at which a pair is still joined.
     fn allowance(&self, transfer: &Transfer) -> f64 {
         let near = if transfer.length <= self.options.cancel_distance { self.options.near_pair_cost } else { 0.0 };
-        2.0 * self.options.singularity_cost + near - 1e-9
+        2.0 * self.options.singularity_cost + near
     }
 
     /// Change of the energy if the path's cost were that of a regular triangulation.
@@ -380,18 +403,14 @@ impl Search<'_> {
         -PI * transfer.changes.iter().map(|&(e, amount)| f64::from(amount) * self.turn[e]).sum::<f64>()
     }
 
-    /// Exact change of the energy, given the angles' response.
-    fn exact_change(&self, transfer: &Transfer, x: impl Fn(FaceId) -> f64) -> f64 {
-        let path: f64 = transfer
-            .changes
-            .iter()
-            .map(|&(e, amount)| {
-                let (i, j) = self.mesh.edge_faces(e);
-                let response = j.map_or(0.0, |j| x(j) - x(i));
-                f64::from(amount) * (FRAC_PI_2 * f64::from(amount) - response)
-            })
-            .sum();
-        self.linear_change(transfer) + FRAC_PI_2 * path
+    /// Q of a path, given the angles' response to its changes.
+    fn path_cost(&self, transfer: &Transfer, x: impl Fn(FaceId) -> f64) -> f64 {
+        let cost = |&(e, amount): &(EdgeId, i32)| {
+            let (i, j) = self.mesh.edge_faces(e);
+            let response = j.map_or(0.0, |j| x(j) - x(i));
+            f64::from(amount) * (FRAC_PI_2 * f64::from(amount) - response)
+        };
+        FRAC_PI_2 * transfer.changes.iter().map(cost).sum::<f64>()
     }
 
     /// Shortest paths from every positive singularity to the negative ones within reach, at most four each.
@@ -486,7 +505,7 @@ pub(crate) fn index_groups<'b>(
             prescriptions[v].push(number as u32);
         }
     }
-    let mut known = std::collections::BTreeMap::from([(Vec::new(), 0u32)]);
+    let mut known = BTreeMap::from([(Vec::new(), 0u32)]);
     VertexMap::from_fn(mesh.vertex_count(), |v| {
         let next = known.len() as u32;
         *known.entry(std::mem::take(&mut prescriptions[v])).or_insert(next)

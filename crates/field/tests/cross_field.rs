@@ -138,7 +138,7 @@ fn a_cube_has_its_corners() {
 fn a_sphere_has_eight_singularities_and_a_torus_none() {
     let (field, _, _) = solve(&sphere(4), false, &FieldOptions::default());
     assert_eq!(indices(&sphere(4), &field), vec![1; 8]);
-    let mesh = torus(40, 24);
+    let mesh = torus(60, 14);
     let (field, _, _) = solve(&mesh, false, &FieldOptions::default());
     assert_eq!(indices(&mesh, &field), Vec::<i32>::new());
 }

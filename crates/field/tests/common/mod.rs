@@ -43,7 +43,7 @@ pub fn sphere(levels: usize) -> TriMesh {
     TriMesh::new(points.into_iter().map(DVec3::normalize).collect(), &faces).unwrap()
 }
 
-/// A torus of radii 1 and 0.4 with m × n vertices.
+/// A torus of radii 1 and 0.2 with m × n vertices.
 pub fn torus(m: u32, n: u32) -> TriMesh {
     let mut points = Vec::new();
     let mut faces = Vec::new();
@@ -52,7 +52,7 @@ pub fn torus(m: u32, n: u32) -> TriMesh {
             let (a, b) = (f64::from(i) / f64::from(m), f64::from(j) / f64::from(n));
             let (sa, ca) = (std::f64::consts::TAU * a).sin_cos();
             let (sb, cb) = (std::f64::consts::TAU * b).sin_cos();
-            points.push(DVec3::new((1.0 + 0.4 * cb) * ca, (1.0 + 0.4 * cb) * sa, 0.4 * sb));
+            points.push(DVec3::new((1.0 + 0.2 * cb) * ca, (1.0 + 0.2 * cb) * sa, 0.2 * sb));
             let id = |i: u32, j: u32| (i % m) * n + j % n;
             let (p, q, r, s) = (id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1));
             faces.extend([[p, q, r], [p, r, s]]);
