@@ -57,6 +57,21 @@ fn run(file: &Path, arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
     let seconds = start.elapsed().as_secs_f64();
     let problems = problems(&mesh, &features, &result);
     let report = &result.report;
+    if std::env::var_os("REMESH_VERBOSE").is_some() {
+        let on = features.feature_vertices(&mesh).values().iter().filter(|&&on| on).count();
+        let corners = features.is_corner.values().iter().filter(|&&on| on).count();
+        let length = quadloom_mesh::metric::edge_lengths(&mesh);
+        let flat = quadloom_mesh::metric::corner_angles(&mesh, &length)
+            .values()
+            .iter()
+            .filter(|a| a.to_degrees() < 5.0)
+            .count();
+        println!(
+            "  {report:?}\n  chains {}, vertices on them {on} of {}, corners {corners}, input angles below 5 {flat}",
+            features.chains.len(),
+            mesh.vertex_count()
+        );
+    }
     println!(
         "{:<20} {:>7} {:>7} {:>7.3} {:>6.1} {:>6.1} {:>6.2} {:>6.1} {:>6.2} {:>6.1} {:>5}  {}",
         file.file_stem().unwrap_or_default().to_string_lossy(),

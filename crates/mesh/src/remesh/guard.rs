@@ -31,6 +31,9 @@ pub(super) const LIMITS: Limits =
 /// Quality below which a face has no direction to speak of, so that it may turn freely.
 const NO_DIRECTION: f64 = 0.02;
 
+/// Cosines that differ by less are the same: a face keeps its direction when one of its sides is halved.
+const ROUNDING: f64 = 1e-9;
+
 /// Shape quality 4√3·area / Σ side², in 0..=1, from twice the vector area.
 #[inline]
 pub(super) fn quality(twice_area: f64, [a, b, c]: [DVec3; 3]) -> f64 {
@@ -78,7 +81,7 @@ impl Shape {
             return true;
         }
         let cos = self.cos_to(input);
-        cos >= limits.cos_input || (old.quality > NO_DIRECTION && cos >= old.cos_to(input))
+        cos >= limits.cos_input || (old.quality > NO_DIRECTION && cos >= old.cos_to(input) - ROUNDING)
     }
 }
 

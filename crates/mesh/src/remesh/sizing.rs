@@ -7,12 +7,15 @@
 use super::Remesher;
 use super::work::{NONE, next, prev};
 
-/// Edge length over the width of a gap that holds two rows of equilateral triangles: 1/√3.
-const LENGTH_PER_GAP: f64 = 0.6;
-/// Edge length over the height of one row of equilateral triangles: 2/√3.
-const LENGTH_PER_ROW: f64 = 1.2;
+/// Edge length over the height of one row of triangles between a curve and the next vertices.
+///
+/// 2.4 makes isosceles triangles of 40°, 40°, 100°. Equilateral ones, 1.15, would cost four times as many
+/// triangles on thin plates; 2.8 gives angles over 110°.
+const LENGTH_PER_ROW: f64 = 2.4;
+/// The same for the width of a gap between two curves, which holds two rows.
+const LENGTH_PER_GAP: f64 = 0.5 * LENGTH_PER_ROW;
 /// An edge from a curve to a free vertex that is shorter than this, relative to the target, is the height of a row.
-const SHORT_ROW: f64 = 0.6;
+const SHORT_ROW: f64 = 1.0 / LENGTH_PER_ROW;
 /// Largest change of the target length per length walked. Larger: fewer triangles, worse angles between sizes.
 const MAX_SLOPE: f64 = 0.4;
 /// Sweeps of the grading; lengths differ by a factor of at most 1 / min_length_rel, so that few suffice.

@@ -24,7 +24,7 @@ impl Remesher<'_> {
             for (ratio, h) in long {
                 self.tick()?;
                 // A split moves half-edge ids to other edges: what is met may be another edge, in its turn later.
-                if self.work.ratio(h) >= 0.75 * ratio {
+                if self.work.ratio(h) >= 0.75 * ratio && !self.beside_longer(h) {
                     changed |= self.split_edge(h).is_some();
                 }
             }
@@ -33,6 +33,15 @@ impl Remesher<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Whether a face of `h` has a longer side that is too long as well: it has refused to be split, and splitting `h`
+    /// in its stead would go on for ever.
+    fn beside_longer(&self, h: u32) -> bool {
+        let work = &self.work;
+        let length_sq = work.length_sq(h);
+        let longer = |g: u32| work.length_sq(g) > 1.01 * length_sq && work.ratio(g) > LONG;
+        [h, work.twin(h)].into_iter().filter(|&side| side != NONE).any(|side| longer(next(side)) || longer(prev(side)))
     }
 
     /// Splits faces with three curve edges at their centre and inner edges between curve vertices in the middle.

@@ -530,7 +530,7 @@ impl Iterator for Ring<'_> {
     }
 }
 
-//#[cfg(test)]
+#[cfg(test)]
 impl Work {
     /// The first broken invariant, if there is one.
     pub fn validate(&self) -> Result<(), String> {
