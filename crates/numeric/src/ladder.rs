@@ -106,9 +106,8 @@ impl<'a> Ladder<'a> {
         &self.y
     }
 
-    /// The variables that moved since the last call, ascending.
+    /// The variables that moved since the last call, each once.
     pub fn take_moved(&mut self) -> Vec<u32> {
-        self.moved.sort_unstable();
         self.moved.iter().for_each(|&i| self.has_moved[i as usize] = false);
         std::mem::take(&mut self.moved)
     }

@@ -15,6 +15,10 @@
 //! | ε, maxiters_GS, maxiters_CG | [`LadderOptions`] | limits of the adaptive three-level solver |
 //! | lb, d_r | [`ExactReport`] | lower bound and relative gap |
 
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+pub struct ReadmeDoctests;
+
 pub mod cholesky;
 mod conditional;
 pub mod constraints;

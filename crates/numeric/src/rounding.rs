@@ -85,11 +85,16 @@ pub(crate) fn round_ladder<'a>(
 }
 
 /// Integers not yet fixed, nearest first.
+///
+/// Most integers that move stay far from being next, so a deviation that grows is corrected only when its
+/// entry comes up.
 struct Order {
-    /// (deviation, variable); outdated entries are skipped.
+    /// (deviation, variable), smallest first; the deviation may have grown since.
     heap: BinaryHeap<Reverse<(u64, u32)>>,
     /// Current deviation of each variable; [`Self::NONE`] for those fixed and for continuous ones.
     key: Vec<u64>,
+    /// The smallest deviation under which each variable is in the heap; its other entries are void.
+    listed: Vec<u64>,
 }
 
 impl Order {
@@ -99,16 +104,38 @@ impl Order {
         let mut key = vec![Self::NONE; y.len()];
         integers.iter().for_each(|&i| key[i as usize] = deviation_key(y[i as usize]));
         let heap = integers.iter().map(|&i| Reverse((key[i as usize], i))).collect();
-        Self { heap, key }
+        Self { heap, listed: key.clone(), key }
     }
 
     fn refresh(&mut self, i: u32, value: f64) {
         let key = deviation_key(value);
-        let known = &mut self.key[i as usize];
-        if *known != Self::NONE && *known != key {
-            *known = key;
+        if self.key[i as usize] != Self::NONE {
+            self.key[i as usize] = key;
+            self.list(i, key);
+        }
+    }
+
+    fn list(&mut self, i: u32, key: u64) {
+        if key < self.listed[i as usize] {
+            self.listed[i as usize] = key;
             self.heap.push(Reverse((key, i)));
         }
+    }
+
+    /// The integer nearest to its rounding, taken from the heap.
+    fn pop(&mut self) -> Option<u32> {
+        while let Some(Reverse((key, i))) = self.heap.pop() {
+            if self.listed[i as usize] != key {
+                continue;
+            }
+            self.listed[i as usize] = Self::NONE;
+            let current = self.key[i as usize];
+            if current == key {
+                return Some(i);
+            }
+            self.list(i, current);
+        }
+        None
     }
 
     /// The nearest integers whose deviations sum to less than `limit`, at least one while any is left.
@@ -118,15 +145,12 @@ impl Order {
     fn take_block(&mut self, y: &[f64], limit: f64) -> Vec<(usize, f64)> {
         let mut block = Vec::new();
         let mut sum = 0.0;
-        while let Some(Reverse((key, i))) = self.heap.pop() {
-            if self.key[i as usize] != key {
-                continue;
-            }
+        while let Some(i) = self.pop() {
             let value = y[i as usize];
             let target = nearest_integer(value);
             sum += (value - target).abs();
             if !block.is_empty() && sum >= limit {
-                self.heap.push(Reverse((key, i)));
+                self.list(i, self.key[i as usize]);
                 break;
             }
             self.key[i as usize] = Self::NONE;

@@ -485,13 +485,15 @@ impl Stage<'_> {
 
     fn choose_integers(&mut self, relaxation: Conditional, relaxed_energy: f64) -> Result<Vec<f64>, SolveError> {
         let cancelled = || self.options.cancelled.is_some_and(|cancelled| cancelled());
-        let mut greedy = relaxation.clone();
-        let counts = round_conditional(&mut greedy, &cancelled)?;
-        let values: Vec<f64> = (0..greedy.len()).map(|i| greedy.z(i)).collect();
-        self.count(counts);
-        let Rounding::Exact(exact) = self.options.rounding else { return Ok(values) };
+        let Rounding::Exact(exact) = self.options.rounding else {
+            let (values, counts) = greedy_values(relaxation, &cancelled)?;
+            self.count(counts);
+            return Ok(values);
+        };
+        let (values, counts) = greedy_values(relaxation.clone(), &cancelled)?;
         let greedy_cost = cost_of(relaxation.clone(), &values);
         let proof = branch_and_bound(relaxation, relaxed_energy, values, &exact, &cancelled)?;
+        self.count(counts);
         let energy = relaxed_energy + proof.cost;
         let lower_bound = relaxed_energy + proof.lower_bound;
         self.report.exact = Some(ExactReport {
@@ -555,4 +557,12 @@ impl Stage<'_> {
         self.report.roundings = counts.roundings;
         self.report.rounds = counts.rounds;
     }
+}
+
+fn greedy_values(
+    mut relaxation: Conditional,
+    cancelled: &dyn Fn() -> bool,
+) -> Result<(Vec<f64>, RoundingCounts), SolveError> {
+    let counts = round_conditional(&mut relaxation, cancelled)?;
+    Ok(((0..relaxation.len()).map(|i| relaxation.z(i)).collect(), counts))
 }
