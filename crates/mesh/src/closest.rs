@@ -13,6 +13,9 @@ use glam::DVec3;
 
 /// Primitives in a leaf at most: fewer cost memory and box tests, more cost primitive tests.
 const LEAF_SIZE: usize = 4;
+/// Square of the sine of a triangle's first angle from which its interior weights are trusted: their error is
+/// about 1e-16 over this; larger values only cost time.
+const THIN_REL: f64 = 1e-6;
 
 /// The nearest point of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,13 +148,19 @@ pub fn closest_weights(&[a, b, c]: &[DVec3; 3], p: DVec3) -> [f64; 3] {
         let t = db / (db + dc);
         return [0.0, 1.0 - t, t];
     }
-    // Interior; a triangle thinner than rounding falls back to its nearest side.
+    // Interior. va, vb, vc are differences of nearly equal numbers where the triangle is thin, so that rounding may
+    // say "interior" of a point far outside: then the nearest side may be nearer.
     let sum = va + vb + vc;
-    if va > 0.0 && vb > 0.0 && vc > 0.0 && sum.is_finite() && sum > 1e-30 * (ab.length_squared() * ac.length_squared())
-    {
-        return [va / sum, vb / sum, vc / sum];
+    let inside = [va / sum, vb / sum, vc / sum];
+    let corners = [a, b, c];
+    let is_thin = sum <= THIN_REL * ab.length_squared() * ac.length_squared();
+    let is_valid = inside.iter().all(|w| (0.0..=1.0).contains(w));
+    if is_valid && !is_thin {
+        return inside;
     }
-    nearest_side(&[a, b, c], p)
+    let side = nearest_side(&corners, p);
+    let distance = |weights| combine(&corners, weights).distance_squared(p);
+    if is_valid && distance(inside) < distance(side) { inside } else { side }
 }
 
 fn nearest_side(corners: &[DVec3; 3], p: DVec3) -> [f64; 3] {
@@ -542,6 +551,17 @@ mod tests {
             }
             prop_assert_eq!(index.query_any(p).map(|c| c.distance), Some(best_of_all));
         }
+    }
+
+    #[test]
+    fn a_point_is_not_inside_a_collapsed_triangle() {
+        // Found by triangle_distance_is_the_smallest: rounding put it inside, far from its nearest point.
+        let a = DVec3::new(0.685_803_360_200_084_5, 0.073_618_216_484_591_12, 0.0);
+        let b = DVec3::new(-0.773_792_487_740_461_3, 0.0, 0.0);
+        let p = DVec3::new(-0.396_400_508_626_571_8, 0.221_955_859_227_309_48, 0.0);
+        let corners = [a, b, a.lerp(b, 0.3)];
+        let on_side = a.lerp(b, closest_parameter(a, b, p)).distance(p);
+        assert!((combine(&corners, closest_weights(&corners, p)).distance(p) - on_side).abs() < 1e-12);
     }
 
     #[test]

@@ -539,3 +539,116 @@ fn counting_sort(items: Vec<u32>, keys: usize, key: impl Fn(u32) -> u32) -> Vec<
     }
     sorted
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::repair::{RepairOptions, repair};
+    use crate::shapes;
+    use crate::soup::FaceSoup;
+    use proptest::prelude::*;
+    use std::collections::BTreeSet;
+
+    fn defects(vertices: usize, faces: &[[u32; 3]]) -> Vec<Defect> {
+        TriConnectivity::from_faces(vertices, faces).unwrap_err()
+    }
+
+    #[test]
+    fn every_kind_of_defect_is_named() {
+        let (f, v) = (FaceId, VertexId);
+        assert_eq!(
+            defects(3, &[[0, 1, 3], [0, 1, 2]]),
+            [Defect::IndexOutOfRange { face: f(0), vertex: 3, vertices: 3 }]
+        );
+        assert_eq!(defects(3, &[[0, 1, 2], [2, 1, 2]]), [Defect::DegenerateFace { face: f(1), vertex: v(2) }]);
+        let twice = defects(3, &[[0, 1, 2], [1, 2, 0]]);
+        assert_eq!(twice, vec![Defect::DuplicateFace { face: f(1), first: f(0) }; 3]);
+        assert_eq!(
+            defects(5, &[[0, 1, 2], [1, 0, 3], [0, 1, 4]]),
+            [Defect::NonManifoldEdge { a: v(0), b: v(1), count: 3 }]
+        );
+        assert_eq!(
+            defects(4, &[[0, 1, 2], [0, 1, 3]]),
+            [Defect::InconsistentOrientation { a: v(0), b: v(1), first: f(0), second: f(1) }]
+        );
+        assert_eq!(defects(5, &[[0, 1, 2], [0, 3, 4]]), [Defect::NonManifoldVertex { vertex: v(0) }]);
+        assert_eq!(defects(4, &[[0, 1, 3]]), [Defect::UnusedVertex { vertex: v(2) }]);
+        let short = PolygonConnectivity::from_polygons(3, &[vec![0, 1, 2], vec![0, 1]]).unwrap_err();
+        assert_eq!(short, [Defect::DegenerateFace { face: f(1), vertex: v(0) }]);
+    }
+
+    #[test]
+    fn two_cones_at_a_point_are_one_defect() {
+        // Closed fans: two tetrahedra that share a vertex.
+        let tetrahedron = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d], [a, d, b], [b, d, c]];
+        let faces: Vec<[u32; 3]> = [tetrahedron([0, 1, 2, 3]), tetrahedron([0, 4, 5, 6])].concat();
+        assert_eq!(defects(7, &faces), [Defect::NonManifoldVertex { vertex: VertexId(0) }]);
+    }
+
+    /// Everything that half-edges promise, against the plain list of faces.
+    fn check<S: FaceShape>(mesh: &Connectivity<S>) {
+        for h in mesh.half_edges() {
+            assert_eq!(mesh.next(mesh.prev(h)), h);
+            assert_eq!(mesh.prev(mesh.next(h)), h);
+            assert_eq!(mesh.face(mesh.next(h)), mesh.face(h));
+            match mesh.twin(h) {
+                Some(t) => {
+                    assert_ne!(t, h);
+                    assert_eq!((mesh.twin(t), mesh.edge(t)), (Some(h), mesh.edge(h)));
+                    assert_eq!((mesh.origin(t), mesh.target(t)), (mesh.target(h), mesh.origin(h)));
+                }
+                None => assert!(mesh.is_boundary_edge(mesh.edge(h)) && mesh.is_boundary_vertex(mesh.origin(h))),
+            }
+            if let Some(g) = mesh.rotate_ccw(h) {
+                assert_eq!((mesh.origin(g), mesh.rotate_cw(g)), (mesh.origin(h), Some(h)));
+            }
+            assert_eq!(mesh.find_half_edge(mesh.origin(h), mesh.target(h)), Some(h));
+        }
+        for (i, e) in mesh.edges().enumerate() {
+            assert_eq!(mesh.edge(mesh.half_edge(e)).index(), i);
+            assert!(mesh.twin(mesh.half_edge(e)).is_none_or(|t| t > mesh.half_edge(e)));
+        }
+        for v in mesh.vertices() {
+            let outgoing: BTreeSet<HalfEdgeId> = mesh.outgoing(v).collect();
+            assert_eq!(outgoing, mesh.half_edges().filter(|&h| mesh.origin(h) == v).collect());
+            let around = mesh.half_edges().filter(|&h| mesh.origin(h) == v || mesh.target(h) == v);
+            let edges: BTreeSet<EdgeId> = around.map(|h| mesh.edge(h)).collect();
+            assert_eq!(mesh.vertex_edges(v).collect::<BTreeSet<_>>(), edges);
+            assert_eq!(mesh.valence(v), edges.len());
+            let on_boundary = edges.iter().filter(|&&e| mesh.is_boundary_edge(e)).count();
+            assert_eq!(on_boundary, if mesh.is_boundary_vertex(v) { 2 } else { 0 });
+        }
+    }
+
+    #[test]
+    fn polygons_of_any_degree_are_linked() {
+        // A cube with one side cut into triangles and one left open.
+        let faces: [&[u32]; 6] = [&[0, 3, 2, 1], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4], &[3, 4, 7]];
+        let mesh = PolygonConnectivity::from_polygons(8, &faces).unwrap();
+        check(&mesh);
+        assert_eq!((mesh.vertex_count(), mesh.edge_count(), mesh.face_count()), (8, 13, 6));
+        let quads = QuadConnectivity::from_faces(8, &[[0, 3, 2, 1], [0, 1, 5, 4], [1, 2, 6, 5]]);
+        assert_eq!(quads.unwrap_err(), [Defect::UnusedVertex { vertex: VertexId(7) }]);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        #[test]
+        fn half_edges_agree_with_the_face_list(removed in proptest::collection::vec(0usize..160, 0..120), base in 0..3) {
+            // What is left of a shape when faces are taken away.
+            let whole = match base {
+                0 => shapes::sphere(1.0, 1),
+                1 => shapes::torus(1.0, 0.4, 10, 8),
+                _ => shapes::smooth_genus(2, 0),
+            };
+            let faces = whole.to_faces();
+            let left = (0..faces.len()).filter(|f| !removed.contains(f)).map(|f| faces[f].to_vec()).collect();
+            let soup = FaceSoup { positions: whole.positions().values().to_vec(), faces: left, ..FaceSoup::default() };
+            if let Ok(repaired) = repair(&soup, &RepairOptions::default()) {
+                check(repaired.mesh.connectivity());
+                let again = TriConnectivity::from_faces(repaired.mesh.vertex_count(), &repaired.mesh.to_faces());
+                prop_assert_eq!(&again.unwrap(), repaired.mesh.connectivity());
+            }
+        }
+    }
+}

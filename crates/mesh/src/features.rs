@@ -246,3 +246,111 @@ pub fn other_end(mesh: &TriMesh, e: EdgeId, v: VertexId) -> VertexId {
     let [a, b] = mesh.ends(e);
     if a == v { b } else { a }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes;
+    use glam::DVec3;
+    use std::collections::BTreeMap;
+
+    /// Chains cover every feature edge once, run between corners, and pass no corner inside.
+    fn check(mesh: &TriMesh, graph: &FeatureGraph) {
+        let mut covered: BTreeMap<EdgeId, ChainId> = BTreeMap::new();
+        for (id, chain) in graph.chains.iter().enumerate() {
+            let mut vertices = chain.vertices.clone();
+            if chain.closed {
+                assert!(vertices.iter().all(|&v| !graph.is_corner[v]));
+                vertices.push(vertices[0]);
+            } else {
+                assert!(graph.is_corner[vertices[0]] && graph.is_corner[vertices[vertices.len() - 1]]);
+                assert!(vertices[1..vertices.len() - 1].iter().all(|&v| !graph.is_corner[v]));
+            }
+            for w in vertices.windows(2) {
+                let e = mesh.find_edge(w[0], w[1]).expect("neighbours");
+                assert_eq!(covered.insert(e, id as ChainId), None, "an edge belongs to one chain");
+            }
+        }
+        let expected = graph.chain_of.iter().filter_map(|(e, c)| c.map(|c| (e, c))).collect();
+        assert_eq!(covered, expected);
+    }
+
+    #[test]
+    fn a_cube_has_twelve_chains_and_eight_corners() {
+        let mesh = shapes::cube(1.0, 5);
+        let (graph, dropped) = FeatureGraph::detect(&mesh, &FeatureOptions::default());
+        check(&mesh, &graph);
+        assert_eq!((graph.chains.len(), dropped), (12, 0));
+        assert!(graph.chains.iter().all(|c| c.vertices.len() == 6 && !c.closed && c.kind == FeatureKind::Sharp));
+        assert_eq!(graph.is_corner.values().iter().filter(|&&c| c).count(), 8);
+        let (smooth, _) =
+            FeatureGraph::detect(&mesh, &FeatureOptions { sharp_angle: None, ..FeatureOptions::default() });
+        assert_eq!(smooth.edge_count(), 0);
+    }
+
+    #[test]
+    fn boundaries_are_closed_chains() {
+        let mesh = shapes::plate_with_holes(0.3);
+        let (graph, _) = FeatureGraph::detect(&mesh, &FeatureOptions::default());
+        check(&mesh, &graph);
+        // Five round holes; the outline has four corners and as many chains.
+        assert_eq!(graph.chains.iter().filter(|c| c.closed).count(), 5);
+        assert_eq!(graph.chains.len(), 9);
+        assert!(graph.chains.iter().all(|c| c.kind == FeatureKind::Boundary));
+    }
+
+    #[test]
+    fn a_loop_through_one_corner_is_open() {
+        // One triangle with a sharp tip: the corner angle makes only the tip a corner.
+        let positions = vec![DVec3::new(9.0, 0.0, 0.0), DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.0, -1.0, 0.0)];
+        let mesh = TriMesh::new(positions, &[[0, 1, 2]]).unwrap();
+        let options = FeatureOptions { corner_angle: 120.0, ..FeatureOptions::default() };
+        let (graph, _) = FeatureGraph::detect(&mesh, &options);
+        check(&mesh, &graph);
+        assert_eq!(graph.chains.len(), 1);
+        assert_eq!(graph.chains[0].vertices.len(), 4);
+    }
+
+    #[test]
+    fn short_loose_chains_are_dropped_and_attached_ones_kept() {
+        let mesh = shapes::cylinder(1.0, 1.0, 12, 6);
+        let along = |from: f64, to: f64| {
+            let mesh = &mesh;
+            EdgeMap::from_fn(mesh.edge_count(), move |e| {
+                let [a, b] = mesh.ends(e).map(|v| mesh.position(v));
+                let on_line = |p: DVec3| p.y.abs() < 1e-9 && p.x > 0.0 && p.z > from && p.z < to;
+                match mesh.is_boundary_edge(e) {
+                    true => Some(FeatureKind::Boundary),
+                    false => (on_line(a) && on_line(b)).then_some(FeatureKind::Sharp),
+                }
+            })
+        };
+        let options = FeatureOptions { min_loose_length: 0.6, ..FeatureOptions::default() };
+        let (loose, dropped) = FeatureGraph::from_kinds(&mesh, along(0.1, 0.6), &options);
+        assert_eq!((loose.chains.len(), dropped), (2, 2));
+        let (attached, dropped) = FeatureGraph::from_kinds(&mesh, along(-1.0, 0.6), &options);
+        check(&mesh, &attached);
+        assert_eq!((attached.chains.len(), dropped), (3, 0));
+        let (long, dropped) = FeatureGraph::from_kinds(&mesh, along(0.1, 0.9), &options);
+        check(&mesh, &long);
+        assert_eq!((long.chains.len(), dropped), (3, 0));
+    }
+
+    #[test]
+    fn guides_meet_sharp_chains_at_corners() {
+        let mesh = shapes::cube(1.0, 4);
+        let kind = EdgeMap::from_fn(mesh.edge_count(), |e| {
+            let [a, b] = mesh.ends(e).map(|v| mesh.position(v));
+            let top = |p: DVec3| p.z == 1.0;
+            if dihedral_angle(&mesh, mesh.half_edge(e)) > 1.0 {
+                Some(FeatureKind::Sharp)
+            } else {
+                (top(a) && top(b) && a.x == 0.5 && b.x == 0.5).then_some(FeatureKind::Guide)
+            }
+        });
+        let (graph, _) = FeatureGraph::from_kinds(&mesh, kind, &FeatureOptions::default());
+        check(&mesh, &graph);
+        assert_eq!(graph.chains.iter().filter(|c| c.kind == FeatureKind::Guide).count(), 1);
+        assert_eq!(graph.chains.len(), 12 + 2 + 1);
+    }
+}

@@ -142,3 +142,101 @@ pub fn dihedral_angle(mesh: &TriMesh, h: HalfEdgeId) -> f64 {
     let (m, n) = (mesh.face_normal(mesh.face(h)), mesh.face_normal(mesh.face(t)));
     if m == DVec3::ZERO || n == DVec3::ZERO { 0.0 } else { m.cross(n).length().atan2(m.dot(n)) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes;
+    use crate::topology::euler_characteristic;
+    use proptest::prelude::*;
+
+    fn test_shapes() -> Vec<TriMesh> {
+        vec![
+            shapes::with_noise(&shapes::sphere(1.0, 2), 0.02, 7),
+            shapes::torus(1.0, 0.4, 12, 9),
+            shapes::smooth_genus(3, 1),
+            shapes::cylinder(1.0, 2.0, 8, 5),
+            shapes::plate_with_holes(0.5),
+            shapes::bracket(0.7),
+        ]
+    }
+
+    #[test]
+    fn angle_defects_sum_to_the_euler_characteristic() {
+        for mesh in test_shapes() {
+            let defects = angle_defects(&mesh, &corner_angles(&mesh, &edge_lengths(&mesh)));
+            let total: f64 = defects.values().iter().sum();
+            assert!((total - TAU * euler_characteristic(mesh.connectivity()) as f64).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn transport_around_a_vertex_turns_by_its_defect() {
+        for mesh in test_shapes() {
+            let angle = corner_angles(&mesh, &edge_lengths(&mesh));
+            let (direction, defect) = (half_edge_directions(&mesh, &angle), angle_defects(&mesh, &angle));
+            for v in mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)) {
+                // Counter-clockwise: from each face across the side that enters v.
+                let turn: f64 = mesh.outgoing(v).map(|h| transport_angle(&mesh, &direction, mesh.prev(h))).sum();
+                assert!(wrap_angle(turn - defect[v]).abs() < 1e-9, "{turn} and {}", defect[v]);
+            }
+        }
+    }
+
+    #[test]
+    fn intrinsic_and_spatial_measures_agree() {
+        for mesh in test_shapes() {
+            let length = edge_lengths(&mesh);
+            let angle = corner_angles(&mesh, &length);
+            let (area, cotangent) = (face_areas(&mesh, &length), opposite_cotangents(&mesh, &length));
+            let direction = half_edge_directions(&mesh, &angle);
+            for f in mesh.faces() {
+                let frame = FaceFrame::of(&mesh, f);
+                let layout = face_layout(&mesh, &length, f);
+                assert!((area[f] - mesh.vector_area(f).length()).abs() < 1e-12);
+                assert!((frame.x.cross(frame.y) - frame.normal).length() < 1e-12);
+                for (k, h) in mesh.face_half_edges(f).into_iter().enumerate() {
+                    let side = mesh.position(mesh.target(h)) - mesh.position(mesh.origin(h));
+                    let other = mesh.position(mesh.origin(mesh.prev(h))) - mesh.position(mesh.origin(h));
+                    assert!((angle[h] - side.angle_between(other)).abs() < 1e-7);
+                    assert!(wrap_angle(direction[h] - frame.angle_of(side)).abs() < 1e-7);
+                    let flat = layout[(k + 1) % 3] - layout[k];
+                    assert!(
+                        flat.distance(frame.direction(direction[h]).dot(side) * DVec2::from_angle(direction[h])) < 1e-7
+                    );
+                    assert!((cotangent[h] - 1.0 / angle[mesh.prev(h)].tan()).abs() < 1e-6);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_cube_turns_by_right_angles() {
+        let mesh = shapes::cube(1.0, 3);
+        for e in mesh.edges() {
+            let turn = dihedral_angle(&mesh, mesh.half_edge(e));
+            assert!(turn.abs() < 1e-12 || (turn - PI / 2.0).abs() < 1e-12);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn wrapping_keeps_the_direction(angle in -1e3..1e3f64) {
+            let wrapped = wrap_angle(angle);
+            prop_assert!(-PI < wrapped && wrapped <= PI);
+            prop_assert!((wrapped.sin() - angle.sin()).abs() < 1e-9 && (wrapped.cos() - angle.cos()).abs() < 1e-9);
+        }
+
+        #[test]
+        fn any_three_lengths_have_finite_measures(side in [0.0..2.0f64, 0.0..2.0, 0.0..2.0]) {
+            // Also lengths that no triangle has.
+            let mesh = TriConnectivity::from_faces(3, &[[0, 1, 2]]).unwrap();
+            let length = EdgeMap::from_vec(side.to_vec());
+            let angle = corner_angles(&mesh, &length);
+            prop_assert!(angle.values().iter().all(|a| (0.0..=PI).contains(a)));
+            prop_assert!(face_areas(&mesh, &length)[FaceId(0)] >= 0.0);
+            prop_assert!(opposite_cotangents(&mesh, &length).values().iter().all(|c| c.abs() <= 1e6));
+            prop_assert!(face_layout(&mesh, &length, FaceId(0)).iter().all(|p| p.is_finite()));
+        }
+    }
+}

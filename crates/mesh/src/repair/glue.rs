@@ -20,6 +20,7 @@ pub(super) fn glue(
     positions: &[DVec3],
     unit: &[DVec3],
     class: &[u32],
+    max_fin_faces: usize,
     report: &mut RepairReport,
 ) -> Result<Draft, RepairError> {
     let mut joint = Joint::new(triangles, unit, class);
@@ -28,12 +29,14 @@ pub(super) fn glue(
     // 2. Partners beyond doubt, then the others.
     joint.join_manifold_edges(&groups)?;
     joint.join_other_edges(&groups, report);
-    // 3. Orientation.
+    // 3. Scraps.
+    joint.drop_fins(&groups, max_fin_faces, report);
+    // 4. Orientation.
     let flipped = joint.orientation();
-    for (t, _) in flipped.iter().enumerate().filter(|f| *f.1) {
+    for t in (0..flipped.len()).filter(|&t| flipped[t] && !joint.dropped[t]) {
         report.add(FindingKind::FlippedFace, triangles.input_face[t]);
     }
-    // 4. Vertices.
+    // 5. Vertices.
     Ok(joint.number_vertices(&flipped, positions, report))
 }
 
@@ -44,6 +47,7 @@ struct Joint<'a> {
     class: &'a [u32],
     partner: Vec<u32>,
     sides: ParitySets,
+    dropped: Vec<bool>,
 }
 
 /// A side with its edge: by position, and by vertices.
@@ -57,7 +61,14 @@ struct Side {
 impl<'a> Joint<'a> {
     fn new(triangles: &'a Triangles, unit: &'a [DVec3], class: &'a [u32]) -> Self {
         let count = triangles.corners.len();
-        Self { triangles, unit, class, partner: vec![NONE; 3 * count], sides: ParitySets::new(count) }
+        Self {
+            triangles,
+            unit,
+            class,
+            partner: vec![NONE; 3 * count],
+            sides: ParitySets::new(count),
+            dropped: vec![false; count],
+        }
     }
 
     fn ends(&self, side: u32) -> (u32, u32) {
@@ -154,6 +165,30 @@ impl<'a> Joint<'a> {
         }
     }
 
+    /// Drops pieces of a few triangles that were cut off at edges with more than two faces.
+    fn drop_fins(&mut self, sides: &[Side], max_faces: usize, report: &mut RepairReport) {
+        let count = self.triangles.corners.len();
+        let mut cut_off = vec![false; count];
+        for edge in sides.chunk_by(|a, b| a.by_class == b.by_class).filter(|edge| edge.len() > 2) {
+            for s in edge.iter().filter(|s| self.partner[s.side as usize] == NONE) {
+                cut_off[self.sides.root(s.side / 3).0 as usize] = true;
+            }
+        }
+        let roots: Vec<usize> = (0..count as u32).map(|t| self.sides.root(t).0 as usize).collect();
+        let mut size = vec![0usize; count];
+        roots.iter().for_each(|&r| size[r] += 1);
+        // A model of scraps only is not to vanish.
+        if size.iter().all(|&n| n <= max_faces) {
+            return;
+        }
+        for (t, &root) in roots.iter().enumerate() {
+            if cut_off[root] && size[root] <= max_faces {
+                self.dropped[t] = true;
+                report.add(FindingKind::DroppedFin, self.triangles.input_face[t]);
+            }
+        }
+    }
+
     /// Unit vector in the triangle, perpendicular to a side; two of them are opposite where the surface is flat.
     fn away_from_edge(&self, side: u32) -> DVec3 {
         let (a, b) = self.ends(side);
@@ -193,7 +228,7 @@ impl<'a> Joint<'a> {
         // 1. Order: by the smallest vertex of the soup in the fan, then by the smallest corner.
         let corners = self.triangles.corners.as_flattened();
         let mut smallest = vec![NONE; corners.len()];
-        for (c, &v) in corners.iter().enumerate() {
+        for (c, &v) in corners.iter().enumerate().filter(|&(c, _)| !self.dropped[c / 3]) {
             let root = fans.root(c);
             smallest[root] = smallest[root].min(v);
         }
@@ -218,7 +253,7 @@ impl<'a> Joint<'a> {
         let vertex_of: Vec<u32> = (0..corners.len()).map(|c| id[fans.root(c)]).collect();
         // 3. A vertex in the middle of edges that others double.
         let middle = self.double_edges(&vertex_of, positions, &mut draft, report);
-        for (t, &flip) in flipped.iter().enumerate() {
+        for (t, &flip) in flipped.iter().enumerate().filter(|&(t, _)| !self.dropped[t]) {
             let mut polygon = Vec::with_capacity(6);
             let mut first_middle = 0;
             for s in 3 * t..3 * t + 3 {
@@ -260,7 +295,8 @@ impl<'a> Joint<'a> {
 
     fn report_welds(&self, fans: &mut UnionFind, smallest: &[u32], report: &mut RepairReport) {
         let mut welded = vec![false; self.class.len()];
-        for (c, &v) in self.triangles.corners.as_flattened().iter().enumerate() {
+        let corners = self.triangles.corners.as_flattened();
+        for (c, &v) in corners.iter().enumerate().filter(|&(c, _)| !self.dropped[c / 3]) {
             welded[v as usize] |= smallest[fans.root(c)] != v;
         }
         for v in (0..welded.len()).filter(|&v| welded[v]) {
@@ -279,7 +315,7 @@ impl<'a> Joint<'a> {
         let mut middle = vec![NONE; self.partner.len()];
         let after = |s: u32| s / 3 * 3 + (s + 1) % 3;
         let mut edges: Vec<(u32, u32, u32)> = (0..self.partner.len() as u32)
-            .filter(|&s| self.partner[s as usize] > s)
+            .filter(|&s| self.partner[s as usize] > s && !self.dropped[s as usize / 3])
             .map(|s| {
                 let (a, b) = (vertex_of[s as usize], vertex_of[after(s) as usize]);
                 (a.min(b), a.max(b), s)

@@ -26,8 +26,11 @@ use glam::DVec3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct RepairOptions {
     /// Height of a triangle over its longest side, relative to that side, from which it counts as one without
-    /// area. Default 1e-8: rounding leaves 1e-16, and real needles down to 1e-6 are meant to be kept.
+    /// area. Default 1e-7: rounding leaves 1e-16, and real needles down to 1e-6 are meant to be kept.
     pub zero_area_rel: f64,
+    /// Faces up to which a piece that hangs on an edge with more than two faces, and nowhere else, is dropped.
+    /// Default 8: such fins are modelling slips; larger pieces are somebody's design.
+    pub max_fin_faces: usize,
     /// Distance from a boundary edge, relative to the size of the mesh, within which a boundary vertex is reported
     /// as a T-junction. Default 1e-7, what seven printed digits leave.
     pub t_junction_rel: f64,
@@ -35,7 +38,7 @@ pub struct RepairOptions {
 
 impl Default for RepairOptions {
     fn default() -> Self {
-        Self { zero_area_rel: 1e-8, t_junction_rel: 1e-7 }
+        Self { zero_area_rel: 1e-7, max_fin_faces: 8, t_junction_rel: 1e-7 }
     }
 }
 
@@ -112,7 +115,8 @@ pub enum RepairError {
 ///
 /// 1. Polygons are triangulated; repeated corners, faces without area and copies of faces are dropped.
 /// 2. Faces are joined along edges: first where exactly two share an edge, then, flattest first, where more do
-///    or where positions coincide. What is left over becomes boundary.
+///    or where positions coincide. What is left over becomes boundary; scraps that
+///    hung there are dropped.
 /// 3. Joined faces are oriented consistently: as most of them are, outwards if closed.
 /// 4. Every fan of joined corners becomes one vertex.
 /// 5. Triangles without area between different positions are flipped or collapsed away.
@@ -131,7 +135,7 @@ pub fn repair(soup: &FaceSoup, options: &RepairOptions) -> Result<Repaired, Repa
         return Err(RepairError::NothingLeft { faces: soup.faces.len() });
     }
     // 2, 3, 4. Joined, oriented, numbered.
-    let glued = glue::glue(&triangles, &soup.positions, &unit, &class, &mut report)?;
+    let glued = glue::glue(&triangles, &soup.positions, &unit, &class, options.max_fin_faces, &mut report)?;
     // 5. Triangles without area.
     let cleaned = degenerate::remove(glued, options.zero_area_rel, &mut report);
     finish(soup, cleaned, options, report)
@@ -304,4 +308,292 @@ pub fn split_components(mesh: &TriMesh) -> Result<Vec<Component>, MeshError> {
             })
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes;
+    use crate::topology::{Summary, component_summaries};
+    use proptest::prelude::*;
+
+    fn soup_of(mesh: &TriMesh) -> FaceSoup {
+        FaceSoup {
+            positions: mesh.positions().values().to_vec(),
+            faces: mesh.to_faces().iter().map(|f| f.to_vec()).collect(),
+            ..FaceSoup::default()
+        }
+    }
+
+    fn run(soup: &FaceSoup) -> Repaired {
+        repair(soup, &RepairOptions::default()).unwrap()
+    }
+
+    fn counts(mesh: &TriMesh) -> (usize, usize, usize, usize, i64) {
+        let s = Summary::of(mesh.connectivity());
+        (s.vertices, s.faces, s.components, s.boundary_loops, s.genus)
+    }
+
+    #[test]
+    fn clean_meshes_come_back() {
+        for (name, _) in shapes::sample_names() {
+            let mesh = shapes::sample(name).unwrap();
+            let repaired = run(&soup_of(&mesh));
+            assert_eq!(repaired.mesh, mesh, "{name}");
+            assert!(repaired.report.is_clean(), "{name}");
+            assert_eq!(repaired.input_face.values(), (0..mesh.face_count() as u32).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn loose_triangles_are_stitched_where_they_meet() {
+        for mesh in [shapes::torus(1.0, 0.4, 12, 9), shapes::bracket(0.7), shapes::cylinder(1.0, 2.0, 9, 4)] {
+            let mut soup = FaceSoup::default();
+            for f in mesh.to_faces() {
+                soup.faces.push((soup.positions.len() as u32..).take(3).collect());
+                soup.positions.extend(f.map(|v| mesh.positions().values()[v as usize]));
+            }
+            let repaired = run(&soup);
+            assert_eq!(counts(&repaired.mesh), counts(&mesh));
+            let welded = repaired.report.count(FindingKind::WeldedVertex);
+            assert_eq!(welded, soup.positions.len() - mesh.vertex_count());
+            assert!(repaired.vertex_of_input.iter().all(Option::is_some));
+        }
+    }
+
+    #[test]
+    fn touching_sheets_stay_two() {
+        // Two cubes that share a face's positions, and two that share an edge: closed sheets are not welded.
+        for offset in [DVec3::X, DVec3::X + DVec3::Y] {
+            let cube = shapes::cube(1.0, 2);
+            let moved = cube.with_positions(cube.positions().map(|&p| p + offset)).unwrap();
+            let both = shapes::join(&[cube, moved]);
+            assert_eq!(run(&soup_of(&both)).mesh, both);
+        }
+    }
+
+    #[test]
+    fn dirt_is_cured_and_counted() {
+        let mesh = shapes::torus(1.0, 0.4, 12, 9);
+        let clean = counts(&mesh);
+        let mut soup = soup_of(&mesh);
+        let n = soup.faces.len() as u32;
+        // A repeated face, a face with a repeated corner, two corners only, an unused vertex, a fin.
+        soup.faces.push(soup.faces[5].clone());
+        soup.faces.push(vec![4, 4, 7]);
+        soup.faces.push(vec![2, 3]);
+        soup.positions.push(DVec3::splat(9.0));
+        soup.positions.push(DVec3::splat(8.0));
+        let side = mesh.ends(crate::ids::EdgeId(10));
+        soup.faces.push(vec![side[0].0, side[1].0, soup.positions.len() as u32 - 1]);
+        soup.faces[3].reverse();
+        soup.faces[20].reverse();
+        let repaired = run(&soup);
+        assert_eq!(counts(&repaired.mesh), clean);
+        let found: Vec<(FindingKind, usize, Vec<u32>)> =
+            repaired.report.findings().map(|f| (f.kind, f.count, f.first.clone())).collect();
+        let vertices = mesh.vertex_count() as u32;
+        assert_eq!(
+            found,
+            [
+                (FindingKind::DegenerateFace, 2, vec![n + 1, n + 2]),
+                (FindingKind::DuplicateFace, 1, vec![n]),
+                (FindingKind::FlippedFace, 2, vec![3, 20]),
+                (FindingKind::NonManifoldEdge, 1, vec![n + 3]),
+                (FindingKind::DroppedFin, 1, vec![n + 3]),
+                (FindingKind::UnusedVertex, 1, vec![vertices]),
+            ]
+        );
+        // The torus looks outwards as before.
+        for f in repaired.mesh.faces() {
+            let original = FaceId(repaired.input_face[f]);
+            assert!(repaired.mesh.face_normal(f).dot(mesh.face_normal(original)) > 0.999);
+        }
+    }
+
+    #[test]
+    fn pinched_vertices_are_duplicated() {
+        let (a, b) = (shapes::sphere(1.0, 1), shapes::sphere(2.0, 1));
+        let mut soup = soup_of(&shapes::join(&[a.clone(), b.clone()]));
+        // The last vertex of one sphere becomes the first of the other.
+        let (from, to) = (a.vertex_count() as u32 - 1, a.vertex_count() as u32);
+        for v in soup.faces.iter_mut().flatten() {
+            if *v == from {
+                *v = to;
+            }
+        }
+        let repaired = run(&soup);
+        assert_eq!(repaired.report.count(FindingKind::NonManifoldVertex), 1);
+        let parts: Vec<(i64, usize)> =
+            component_summaries(repaired.mesh.connectivity()).iter().map(|s| (s.chi, s.vertices)).collect();
+        assert_eq!(parts, [(2, a.vertex_count()), (2, b.vertex_count())]);
+    }
+
+    #[test]
+    fn one_sided_surfaces_are_refused_with_an_edge() {
+        // A Moebius strip of seven triangles.
+        let positions = (0..7).map(|i| DVec3::new(f64::from(i), f64::from(i * i % 5), f64::from(i % 3))).collect();
+        let faces = (0..7u32).map(|i| vec![i, (i + 1) % 7, (i + 2) % 7]).collect();
+        let soup = FaceSoup { positions, faces, ..FaceSoup::default() };
+        assert!(matches!(repair(&soup, &RepairOptions::default()), Err(RepairError::NotOrientable { .. })));
+    }
+
+    #[test]
+    fn unusable_soups_say_why() {
+        let options = RepairOptions::default();
+        let faces = vec![vec![0, 1, 2]];
+        let soup = |positions: Vec<DVec3>| FaceSoup { positions, faces: faces.clone(), ..FaceSoup::default() };
+        assert_eq!(repair(&FaceSoup::default(), &options).unwrap_err(), RepairError::NoFaces { vertices: 0 });
+        let out = repair(&soup(vec![DVec3::X; 2]), &options).unwrap_err();
+        assert_eq!(out, RepairError::IndexOutOfRange { face: 0, vertex: 2, vertices: 2 });
+        let nan = repair(&soup(vec![DVec3::X, DVec3::NAN, DVec3::Y]), &options).unwrap_err();
+        assert_eq!(nan, RepairError::NotFinite { first: vec![1], count: 1 });
+        let point = repair(&soup(vec![DVec3::X; 3]), &options).unwrap_err();
+        assert_eq!(point, RepairError::NothingLeft { faces: 1 });
+    }
+
+    /// Splits edges with vertices exactly in their middle and fills the T-junctions with flat triangles, again and
+    /// again on the same edges, so that stacks of collinear triangles arise.
+    fn with_flat_triangles(mesh: &TriMesh, per_edge: usize, edges: usize) -> FaceSoup {
+        let mut soup = soup_of(mesh);
+        for k in 0..edges {
+            let e = crate::ids::EdgeId::new(k * mesh.edge_count() / edges);
+            let h = mesh.half_edge(e);
+            let (mut a, b) = (mesh.origin(h).0, mesh.target(h).0);
+            let mut face = mesh.face(h).index();
+            for _ in 0..per_edge {
+                // Face (.., a, b, ..) becomes (a, m, c) and (m, b, c); the flat triangle is (a, b, m).
+                let m = soup.positions.len() as u32;
+                soup.positions.push(0.5 * (soup.positions[a as usize] + soup.positions[b as usize]));
+                let old = soup.faces[face].clone();
+                soup.faces[face] = old.iter().map(|&v| if v == b { m } else { v }).collect();
+                soup.faces.push(old.iter().map(|&v| if v == a { m } else { v }).collect());
+                face = soup.faces.len() - 1;
+                soup.faces.push(vec![a, b, m]);
+                a = m;
+            }
+        }
+        soup
+    }
+
+    #[test]
+    fn flat_triangles_are_flipped_away() {
+        for (mesh, per_edge, edges) in [
+            (shapes::sphere(1.0, 3), 1, 100),
+            (shapes::bracket(0.5), 1, 50),
+            (shapes::bracket(0.5), 8, 12),
+            (shapes::cylinder(1.0, 2.0, 12, 6), 3, 9),
+        ] {
+            let soup = with_flat_triangles(&mesh, per_edge, edges);
+            let repaired = run(&soup);
+            let (_, _, components, loops, genus) = counts(&repaired.mesh);
+            let (_, _, c, l, g) = counts(&mesh);
+            assert_eq!((components, loops, genus), (c, l, g));
+            assert!((repaired.mesh.area() - mesh.area()).abs() < 1e-9 * mesh.area());
+            assert_eq!(repaired.report.count(FindingKind::ZeroAreaKept), 0);
+            assert_eq!(repaired.report.count(FindingKind::ZeroAreaFace), per_edge * edges);
+            let smallest = repaired.mesh.faces().map(|f| repaired.mesh.vector_area(f).length());
+            assert!(smallest.fold(f64::INFINITY, f64::min) > 1e-7);
+        }
+    }
+
+    #[test]
+    fn needles_collapse() {
+        // A vertex of a sphere becomes two at nearly the same place.
+        let mesh = shapes::sphere(1.0, 2);
+        let mut soup = soup_of(&mesh);
+        let h = mesh.half_edge(crate::ids::EdgeId(40));
+        let v = mesh.origin(h);
+        let new = soup.positions.len() as u32;
+        soup.positions.push(mesh.position(v) + DVec3::splat(1e-12));
+        let ring: Vec<_> = mesh.outgoing(v).collect();
+        // Two fans of faces around v and its copy, with needles between them at spokes 0 and 3.
+        for &g in &ring[0..3] {
+            for w in &mut soup.faces[mesh.face(g).index()] {
+                *w = if *w == v.0 { new } else { *w };
+            }
+        }
+        soup.faces.push(vec![v.0, mesh.target(ring[0]).0, new]);
+        soup.faces.push(vec![new, mesh.target(ring[3]).0, v.0]);
+        let repaired = run(&soup);
+        assert_eq!(counts(&repaired.mesh), counts(&mesh));
+        assert_eq!(repaired.report.count(FindingKind::ZeroAreaFace), 2);
+    }
+
+    #[test]
+    fn polygons_keep_their_area() {
+        // A comb: as far from convex as polygons get, and a ring-shaped cap around nothing.
+        let mut outline = vec![DVec3::new(0.0, -1.0, 0.0), DVec3::new(10.0, -1.0, 0.0)];
+        for i in (0..10).rev() {
+            outline.push(DVec3::new(f64::from(i) + 0.9, 2.0, 0.0));
+            outline.push(DVec3::new(f64::from(i) + 0.1, 0.0, 0.0));
+        }
+        let area: f64 = (0..outline.len()).map(|i| outline[i].cross(outline[(i + 1) % outline.len()]).z / 2.0).sum();
+        let n = outline.len() as u32;
+        let soup = FaceSoup { positions: outline, faces: vec![(0..n).collect()], ..FaceSoup::default() };
+        let mesh = run(&soup).mesh;
+        assert_eq!(mesh.face_count() as u32, n - 2);
+        assert!((mesh.area() - area).abs() < 1e-12, "{} of {area}", mesh.area());
+        assert!(mesh.faces().all(|f| mesh.vector_area(f).z > 0.0));
+    }
+
+    #[test]
+    fn t_junctions_are_reported() {
+        let positions = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0], [1.0, 0.0], [0.0, -1.0], [2.0, -1.0]];
+        let positions = positions.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
+        let faces = vec![vec![0, 1, 2], vec![3, 0, 4], vec![1, 3, 5], vec![3, 4, 5]];
+        let repaired = run(&FaceSoup { positions, faces, ..FaceSoup::default() });
+        let finding = repaired.report.findings().find(|f| f.kind == FindingKind::TJunction).unwrap();
+        assert_eq!((finding.count, finding.first.clone()), (1, vec![3]));
+    }
+
+    #[test]
+    fn components_split_and_cover() {
+        let mesh = shapes::sample("two_spheres").unwrap();
+        let parts = split_components(&mesh).unwrap();
+        assert_eq!(parts.len(), 2);
+        for part in &parts {
+            for f in part.mesh.faces() {
+                let whole = mesh.face_vertices(part.face_of[f]);
+                assert_eq!(part.mesh.face_vertices(f).map(|v| part.vertex_of[v]), whole);
+            }
+        }
+        assert_eq!(parts.iter().map(|p| p.mesh.face_count()).sum::<usize>(), mesh.face_count());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn any_soup_becomes_a_mesh_or_an_error(
+            faces in proptest::collection::vec(proptest::collection::vec(0u32..14, 0..6), 1..40),
+            grid in proptest::collection::vec([0i8..3, 0i8..3, 0i8..3], 14),
+        ) {
+            let positions: Vec<DVec3> = grid.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
+            let soup = FaceSoup { positions, faces, ..FaceSoup::default() };
+            match repair(&soup, &RepairOptions::default()) {
+                Ok(repaired) => {
+                    let mesh = &repaired.mesh;
+                    prop_assert_eq!(repaired.input_face.len(), mesh.face_count());
+                    for (i, v) in repaired.vertex_of_input.iter().enumerate() {
+                        prop_assert!(v.is_none_or(|v| mesh.position(v) == soup.positions[i]));
+                    }
+                }
+                Err(RepairError::NotOrientable { .. } | RepairError::NothingLeft { .. }) => {}
+                Err(e) => prop_assert!(false, "{}", e),
+            }
+        }
+
+        #[test]
+        fn reversed_faces_are_turned_back(turned in proptest::collection::vec(0usize..216, 0..80)) {
+            let mesh = shapes::torus(1.0, 0.4, 12, 9);
+            let mut soup = soup_of(&mesh);
+            for &f in &turned {
+                soup.faces[f].swap(0, 1);
+            }
+            let repaired = run(&soup);
+            for f in mesh.faces() {
+                prop_assert!(repaired.mesh.face_normal(f).dot(mesh.face_normal(f)) > 0.999);
+            }
+        }
+    }
 }

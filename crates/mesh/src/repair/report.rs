@@ -25,6 +25,8 @@ pub enum FindingKind {
     FlippedFace,
     /// A face was left open at an edge that more than two faces share.
     NonManifoldEdge,
+    /// A face of a small piece that hung on such an edge was dropped.
+    DroppedFin,
     /// A vertex was duplicated, because its faces form more than one fan.
     NonManifoldVertex,
     /// An edge was split, because another edge joins the same vertices.
@@ -90,6 +92,7 @@ impl fmt::Display for Finding {
             FindingKind::WeldedVertex => "vertices merged with one at the same position",
             FindingKind::FlippedFace => "faces turned over",
             FindingKind::NonManifoldEdge => "faces cut off at edges with more than two faces",
+            FindingKind::DroppedFin => "faces of fins dropped",
             FindingKind::NonManifoldVertex => "vertices with several fans duplicated",
             FindingKind::DoubleEdge => "double edges split",
             FindingKind::ZeroAreaFace => "triangles without area removed",
