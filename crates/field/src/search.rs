@@ -16,11 +16,11 @@
 
 use crate::cross_field::CrossField;
 use crate::error::FieldError;
-use crate::system::SmoothnessSystem;
+use crate::system::{SmoothnessSystem, neighbours};
 use crate::transport::Transport;
 use quadloom_mesh::{EdgeId, EdgeMap, FaceId, FaceMap, Progress, TriConnectivity, VertexId, VertexMap};
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Faces of the patch on which the cost of a single move is computed.
@@ -28,6 +28,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// With free angles only there, Q comes out too large by a few per cent (the dipole's energy outside the patch), so
 /// that every accepted move still lowers the true energy. Larger: nearer to the true cost, cubic time.
 const PATCH_FACES: usize = 40;
+
+/// Radians² by which a move must lower the objective, well above rounding errors.
+const LEAST_GAIN: f64 = 1e-9;
 
 /// A turn below this needs no exact cost: Q is above 0.15·(π/2)² on every edge of a reasonable mesh.
 const SMALLEST_MOVING_TURN: f64 = 0.15 * PI / 4.0;
@@ -141,21 +144,11 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    fn energy(&self) -> f64 {
-        self.system.energy(&self.field.angle, &self.field.period_jump)
-    }
-
     /// Angles and turns from the period jumps.
     fn solve(&mut self) {
         self.field.angle = self.system.angles(&self.field.period_jump);
+        self.turn = self.system.turns(&self.field.angle, &self.field.period_jump);
         self.counts.solves += 1;
-        self.refresh_turns();
-    }
-
-    fn refresh_turns(&mut self) {
-        for e in self.mesh.edges() {
-            self.turn[e] = self.field.turn(self.mesh, self.transport, self.mesh.half_edge(e));
-        }
     }
 
     /// Changes jumps, and the indices with them.
@@ -189,64 +182,57 @@ impl<'a> Search<'a> {
 
 /// Single moves.
 impl Search<'_> {
-    /// Moves singularities along edges while the objective falls: all moves of a round are far apart.
+    /// Moves singularities along edges while the objective falls.
+    ///
+    /// 1. With exact angles, all promising moves, best first.
+    /// 2. Each is tried with the angles of a patch around it free, taken if the objective falls, and its surroundings
+    ///    are looked at again.
+    /// 3. Exact angles; again until nothing moves.
     fn move_singularities(&mut self, progress: &Progress) -> Result<(), FieldError> {
-        let mut before = self.energy();
-        for _ in 0..100 {
-            progress.check()?;
-            let candidates = self.moves();
-            let accepted = self.independent(&candidates);
-            if accepted.is_empty() {
+        // Every accepted move lowers the objective, so the limit only guards against rounding errors.
+        for _ in 0..50 {
+            let mut edges = self.moving_edges(self.mesh.edges());
+            if edges.is_empty() {
                 break;
             }
-            // The gains of distant moves add up but for the tails of their dipoles; check, and fall back to the best.
-            let saved = self.field.period_jump.clone();
-            let index_change: i32 = accepted.iter().map(|&(e, amount)| self.index_change(e, amount)).sum();
-            self.apply(&accepted);
-            self.solve();
-            let after = self.energy();
-            let objective_change = after - before + self.fee(index_change);
-            if objective_change < 0.0 || accepted.len() == 1 {
-                self.counts.moves += accepted.len();
-                before = after;
-                if objective_change > -1e-12 {
-                    break;
+            let before = self.counts.moves;
+            while !edges.is_empty() {
+                progress.check()?;
+                let mut touched = BTreeSet::new();
+                for &(_, e) in &edges {
+                    self.try_move(e, &mut touched);
                 }
-                continue;
+                edges = self.moving_edges(touched.into_iter());
             }
-            let undo: Vec<(EdgeId, i32)> =
-                accepted.iter().map(|&(e, _)| (e, saved[e] - self.field.period_jump[e])).collect();
-            self.apply(&undo);
-            self.apply(&accepted[..1]);
+            if self.counts.moves == before {
+                break;
+            }
             self.solve();
-            self.counts.moves += 1;
-            before = self.energy();
         }
         Ok(())
     }
 
-    /// All single changes that lower the objective, best first, as (change of the objective, edge, amount).
-    fn moves(&mut self) -> Vec<(f64, EdgeId, i32)> {
+    /// The edges whose change would lower the objective if angles were stationary, best first.
+    fn moving_edges(&mut self, edges: impl Iterator<Item = EdgeId>) -> Vec<(f64, EdgeId)> {
         let mut list = Vec::new();
-        for e in self.mesh.edges() {
-            let turn = self.turn[e];
-            if turn.abs() < SMALLEST_MOVING_TURN || !self.is_passable(e) {
+        for e in edges {
+            let turn = self.turn[e].abs();
+            if turn < SMALLEST_MOVING_TURN || !self.is_passable(e) {
                 continue;
             }
-            let amount = if turn > 0.0 { 1 } else { -1 };
-            let fee = self.fee(self.index_change(e, amount));
-            let linear = -PI * turn.abs() + fee;
-            // Q is at most that of a change without response.
-            if linear + FRAC_PI_2 * FRAC_PI_2 * 0.1 >= 0.0 {
-                continue;
-            }
-            let cost = self.unit_cost(e);
-            if linear + cost < -1e-9 {
-                list.push((linear + cost, e, amount));
+            let linear = self.fee(self.index_change(e, self.direction_of(e))) - PI * turn;
+            let change = linear + if linear < 0.0 { self.unit_cost(e) } else { 0.0 };
+            if change < -LEAST_GAIN {
+                list.push((change, e));
             }
         }
         list.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         list
+    }
+
+    /// The change of an edge's jump that its turn asks for.
+    fn direction_of(&self, e: EdgeId) -> i32 {
+        if self.turn[e] > 0.0 { 1 } else { -1 }
     }
 
     /// Price of a change of Σ|4·I|. A pair that appears is a near one: it must gain what joining it may cost, lest pairs
@@ -256,88 +242,121 @@ impl Search<'_> {
         self.options.singularity_cost * change + self.options.near_pair_cost * 0.5 * change.max(0.0)
     }
 
-    /// The best changes no two of which touch vertices within two rings of each other.
-    fn independent(&self, candidates: &[(f64, EdgeId, i32)]) -> Vec<(EdgeId, i32)> {
-        let mut blocked = VertexMap::filled(self.mesh.vertex_count(), false);
-        let mut accepted = Vec::new();
-        for &(_, e, amount) in candidates {
-            let ends = self.mesh.ends(e);
-            if ends.iter().any(|&v| blocked[v]) {
-                continue;
-            }
-            accepted.push((e, amount));
-            let mut ring: Vec<VertexId> = ends.to_vec();
-            for _ in 0..2 {
-                ring = ring.iter().flat_map(|&v| self.mesh.neighbours(v)).filter(|&v| !blocked[v]).collect();
-                ring.iter().for_each(|&v| blocked[v] = true);
+    /// Changes the jump of an edge if that lowers the objective, with the angles of a patch around it free.
+    fn try_move(&mut self, e: EdgeId, touched: &mut BTreeSet<EdgeId>) {
+        let amount = self.direction_of(e);
+        let patch = Patch::around(self.mesh, self.system, e);
+        let shift = FRAC_PI_2 * f64::from(amount);
+        let before = self.turn[e];
+        self.turn[e] -= shift;
+        let mut x: Vec<f64> = patch.faces.iter().map(|&f| self.force(f)).collect();
+        let force = x.clone();
+        patch.solve(&mut x);
+        let gain: f64 = x.iter().zip(&force).map(|(x, force)| x * force).sum();
+        let change = self.turn[e].powi(2) - before.powi(2) - gain + self.fee(self.index_change(e, amount));
+        if change > -LEAST_GAIN {
+            self.turn[e] = before;
+            return;
+        }
+        self.apply(&[(e, amount)]);
+        self.counts.moves += 1;
+        for (&f, x) in patch.faces.iter().zip(x) {
+            self.field.angle[f] += x;
+        }
+        for &f in &patch.faces {
+            for h in self.mesh.face_half_edges(f) {
+                let side = self.mesh.edge(h);
+                self.turn[side] = self.field.turn(self.mesh, self.transport, self.mesh.half_edge(side));
+                touched.insert(side);
             }
         }
-        accepted
     }
 
-    /// Q of a unit change of an edge's jump, on a patch of faces around it.
+    /// Half the energy's fall per radian of a face's angle.
+    fn force(&self, f: FaceId) -> f64 {
+        let out = |h| {
+            let e = self.mesh.edge(h);
+            if self.mesh.half_edge(e) == h { self.turn[e] } else { -self.turn[e] }
+        };
+        self.mesh.face_half_edges(f).into_iter().map(out).sum::<f64>() + self.system.soft_pull(f, self.field.angle[f]).1
+    }
+
+    /// Q of a unit change of an edge's jump with the angles of a patch around it free: an upper bound of Q.
     fn unit_cost(&mut self, e: EdgeId) -> f64 {
         if let Some(cost) = self.unit_cost[e] {
             return cost;
         }
-        let cost = patch_cost(self.mesh, self.system, e);
+        let patch = Patch::around(self.mesh, self.system, e);
+        let (i, j) = self.mesh.edge_faces(e);
+        let unit = |f: FaceId| f64::from(u8::from(Some(f) == j)) - f64::from(u8::from(f == i));
+        let mut x: Vec<f64> = patch.faces.iter().map(|&f| FRAC_PI_2 * unit(f)).collect();
+        patch.solve(&mut x);
+        let response: f64 = patch.faces.iter().zip(&x).map(|(&f, x)| unit(f) * x).sum();
+        let cost = FRAC_PI_2 * (FRAC_PI_2 - response);
         self.unit_cost[e] = Some(cost);
         cost
     }
 }
 
-/// min over angles x of a patch around edge e of Σ (x_j - x_i - π/2·[edge is e])²: an upper bound of Q.
-fn patch_cost(mesh: &TriConnectivity, system: &SmoothnessSystem, e: EdgeId) -> f64 {
-    let h = mesh.half_edge(e);
-    let Some(t) = mesh.twin(h) else { return FRAC_PI_2 * FRAC_PI_2 };
-    // 1. Free faces around the edge, breadth first.
-    let (i, j) = (mesh.face(h), mesh.face(t));
-    let mut patch: Vec<FaceId> = [i, j].into_iter().filter(|&f| system.is_free(f)).collect();
-    let mut at = 0;
-    while at < patch.len() && patch.len() < PATCH_FACES {
-        for g in crate::system::neighbours(mesh, patch[at]) {
-            if system.is_free(g) && !patch.contains(&g) {
-                patch.push(g);
-            }
-        }
-        at += 1;
-    }
-    // 2. Dense normal equations, faces outside at zero.
-    let n = patch.len();
-    let place = |f: FaceId| patch.iter().position(|&g| g == f);
-    let mut matrix = vec![0.0; n * n];
-    let mut x = vec![0.0; n];
-    for (row, &f) in patch.iter().enumerate() {
-        for g in crate::system::neighbours(mesh, f) {
-            matrix[row * n + row] += 1.0;
-            if let Some(column) = place(g) {
-                matrix[row * n + column] -= 1.0;
-            }
-        }
-        x[row] = FRAC_PI_2 * (f64::from(u8::from(f == j)) - f64::from(u8::from(f == i)));
-    }
-    cholesky_solve(&mut matrix, &mut x);
-    let value = |f: FaceId| place(f).map_or(0.0, |k| x[k]);
-    FRAC_PI_2 * (FRAC_PI_2 - (value(j) - value(i)))
+/// Normal equations of Eq. (8.1) on a few free faces around an edge, all other angles fixed.
+struct Patch {
+    faces: Vec<FaceId>,
+    /// Lower Cholesky factor, row by row.
+    factor: Vec<f64>,
 }
 
-/// Solves a small positive definite system in place: lower factor in `matrix`, solution in `x`.
-fn cholesky_solve(matrix: &mut [f64], x: &mut [f64]) {
-    let n = x.len();
+impl Patch {
+    /// The free faces nearest to an edge, breadth first.
+    fn around(mesh: &TriConnectivity, system: &SmoothnessSystem, e: EdgeId) -> Self {
+        let (i, j) = mesh.edge_faces(e);
+        let mut faces: Vec<FaceId> = [Some(i), j].into_iter().flatten().filter(|&f| system.is_free(f)).collect();
+        let mut at = 0;
+        while at < faces.len() && faces.len() < PATCH_FACES {
+            for g in neighbours(mesh, faces[at]) {
+                if system.is_free(g) && !faces.contains(&g) {
+                    faces.push(g);
+                }
+            }
+            at += 1;
+        }
+        let n = faces.len();
+        let mut factor = vec![0.0; n * n];
+        for (row, &f) in faces.iter().enumerate() {
+            factor[row * n + row] = system.soft_pull(f, 0.0).0;
+            for g in neighbours(mesh, f) {
+                factor[row * n + row] += 1.0;
+                if let Some(column) = faces.iter().position(|&other| other == g) {
+                    factor[row * n + column] -= 1.0;
+                }
+            }
+        }
+        cholesky(&mut factor, n);
+        Self { faces, factor }
+    }
+
+    /// Replaces the right-hand side by the angles' response.
+    fn solve(&self, x: &mut [f64]) {
+        let (n, l) = (x.len(), &self.factor);
+        for i in 0..n {
+            let dot: f64 = (0..i).map(|k| l[i * n + k] * x[k]).sum();
+            x[i] = (x[i] - dot) / l[i * n + i];
+        }
+        for i in (0..n).rev() {
+            let dot: f64 = (i + 1..n).map(|k| l[k * n + i] * x[k]).sum();
+            x[i] = (x[i] - dot) / l[i * n + i];
+        }
+    }
+}
+
+/// Lower Cholesky factor of a small positive definite matrix, in place; the upper triangle is not looked at.
+fn cholesky(matrix: &mut [f64], n: usize) {
     for j in 0..n {
         for i in j..n {
             let dot: f64 = (0..j).map(|k| matrix[i * n + k] * matrix[j * n + k]).sum();
             let value = matrix[i * n + j] - dot;
-            matrix[i * n + j] = if i == j { value.max(1e-12).sqrt() } else { value / matrix[j * n + j] };
+            // A closed component that the patch swallows whole leaves a zero pivot: its gauge.
+            matrix[i * n + j] = if i == j { value.max(1e-9).sqrt() } else { value / matrix[j * n + j] };
         }
-    }
-    for i in 0..n {
-        let dot: f64 = (0..i).map(|k| matrix[i * n + k] * x[k]).sum();
-        x[i] = (x[i] - dot) / matrix[i * n + i];
-    }
-    for i in (0..n).rev() {
-        let dot: f64 = (i + 1..n).map(|k| matrix[k * n + i] * x[k]).sum();
-        x[i] = (x[i] - dot) / matrix[i * n + i];
     }
 }
 
@@ -355,7 +374,7 @@ impl Search<'_> {
         loop {
             let change = |t: &Transfer| self.linear_change(t) + self.pair_cost[&(t.from, t.to)] - self.allowance(t);
             let best = pairs.iter().enumerate().map(|(k, t)| (change(t), k)).min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((_, k)) = best.filter(|&(change, _)| change < -1e-9) else { break };
+            let Some((_, k)) = best.filter(|&(change, _)| change < -LEAST_GAIN) else { break };
             progress.check()?;
             let transfer = pairs.swap_remove(k);
             self.apply(&transfer.changes);

@@ -72,11 +72,22 @@ pub(crate) fn neighbours(mesh: &TriConnectivity, f: FaceId) -> impl Iterator<Ite
 /// Factorised normal equations of Eq. (8.1) in the angles of the free faces.
 pub(crate) struct SmoothnessSystem<'a> {
     mesh: &'a TriConnectivity,
-    transport: &'a Transport,
     pub roots: Roots,
     variable: FaceMap<u32>,
     variables: usize,
+    terms: Vec<EdgeTerm>,
     factor: SparseCholesky,
+}
+
+/// An interior edge with what every solve asks of it.
+#[derive(Clone, Copy, Debug)]
+struct EdgeTerm {
+    edge: EdgeId,
+    /// Face of the canonical half-edge, and the face across.
+    faces: [FaceId; 2],
+    /// Their variables, or [`FIXED`].
+    variables: [u32; 2],
+    kappa: f64,
 }
 
 impl<'a> SmoothnessSystem<'a> {
@@ -96,7 +107,15 @@ impl<'a> SmoothnessSystem<'a> {
         let matrix = SparseSymmetric::from_triplets(variables, &triplets);
         let mut factor = SparseCholesky::analyse(&matrix, &[]).map_err(solve_error)?;
         factor.factorize(&matrix).map_err(solve_error)?;
-        Ok(Self { mesh, transport, roots, variable, variables, factor })
+        let terms = interior_edges(mesh)
+            .map(|(i, j, edge)| EdgeTerm {
+                edge,
+                faces: [i, j],
+                variables: [variable[i], variable[j]],
+                kappa: transport.kappa(mesh, mesh.half_edge(edge)),
+            })
+            .collect();
+        Ok(Self { mesh, roots, variable, variables, terms, factor })
     }
 
     /// Number of free faces.
@@ -112,9 +131,9 @@ impl<'a> SmoothnessSystem<'a> {
     /// The angles that minimise Eq. (8.1) for the given period jumps; exact at fixed faces.
     pub fn angles(&self, period_jump: &EdgeMap<i32>) -> FaceMap<f64> {
         let mut rhs = vec![0.0; self.variables];
-        for (i, j, e) in interior_edges(self.mesh) {
-            let shift = self.transport.kappa(self.mesh, self.mesh.half_edge(e)) + FRAC_PI_2 * f64::from(period_jump[e]);
-            let (a, b) = (self.variable[i], self.variable[j]);
+        for term in &self.terms {
+            let ([i, j], [a, b]) = (term.faces, term.variables);
+            let shift = term.kappa + FRAC_PI_2 * f64::from(period_jump[term.edge]);
             if a != FIXED {
                 rhs[a as usize] += self.roots.fixed[j].unwrap_or(0.0) - shift;
             }
@@ -164,16 +183,19 @@ impl<'a> SmoothnessSystem<'a> {
         }
     }
 
-    /// Energy with the soft directions: Eq. (8.1) plus the weighted squared distances from them.
-    pub fn energy(&self, angle: &FaceMap<f64>, period_jump: &EdgeMap<i32>) -> f64 {
-        let smoothness: f64 = interior_edges(self.mesh)
-            .map(|(i, j, e)| {
-                let kappa = self.transport.kappa(self.mesh, self.mesh.half_edge(e));
-                (angle[j] - angle[i] - kappa - FRAC_PI_2 * f64::from(period_jump[e])).powi(2)
-            })
-            .sum();
-        let soft = self.roots.soft.iter().filter_map(|(f, s)| s.map(|s| s.weight * (angle[f] - s.angle).powi(2)));
-        smoothness + soft.sum::<f64>()
+    /// Turns θ_j - θ_i - κ - π/2·p of all edges, seen from their canonical half-edges; 0 on the boundary.
+    pub fn turns(&self, angle: &FaceMap<f64>, period_jump: &EdgeMap<i32>) -> EdgeMap<f64> {
+        let mut turn = EdgeMap::filled(self.mesh.edge_count(), 0.0);
+        for term in &self.terms {
+            let [i, j] = term.faces;
+            turn[term.edge] = angle[j] - angle[i] - term.kappa - FRAC_PI_2 * f64::from(period_jump[term.edge]);
+        }
+        turn
+    }
+
+    /// Pull of its soft direction on a face of the given angle: weight, and weight times distance.
+    pub fn soft_pull(&self, f: FaceId, angle: f64) -> (f64, f64) {
+        self.roots.soft[f].map_or((0.0, 0.0), |s| (s.weight, s.weight * (s.angle - angle)))
     }
 }
 
