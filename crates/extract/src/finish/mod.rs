@@ -1,0 +1,135 @@
+//! Finishing: quads are moved onto the input surface and made as rectangular as their connectivity allows.
+//!
+//! In: an extraction, the input as [`Reference`]. Out: [`Finished`]. Holds: corners stay, vertices on a chain stay on
+//! the input's curve and in order, all others on the input surface; no sweep inverts a quad or turns it against the
+//! surface; the result is the same for any number of threads. Not: that a quad inverted at the start is cured.
+//! Source: [Bommes2012] §8.5 asks for it; the method is projective smoothing [Bouaziz2012] with rollback, own.
+
+mod shape;
+mod state;
+mod sweep;
+mod ties;
+mod untangle;
+
+use crate::extraction::Extraction;
+use crate::reference::Reference;
+use quadloom_mesh::{Cancelled, MeshError, Progress, QuadMesh};
+use serde::{Deserialize, Serialize};
+use state::State;
+use sweep::{Aim, sweep};
+use ties::Ties;
+use untangle::improve_worst;
+
+/// How quads are finished.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FinishOptions {
+    /// Sweeps at most. Default 25: the mean angle moves by less than 0.1 degrees beyond. More cost time in proportion.
+    pub sweeps: usize,
+    /// Sweeps end when no vertex moves farther than this, relative to the mean edge. Default 0.01.
+    pub settled_rel: f64,
+    /// How much of its stretch a quad keeps in a sweep, 0..=1. Default 0.7. Smaller: more even edges; larger: better
+    /// angles beside features that do not fit squares.
+    pub stretch_kept: f64,
+    /// Part of the mean of the neighbours in a proposal, 0..=1. Default 0.1: it keeps sizes even.
+    pub laplacian: f64,
+    /// Scaled Jacobian below which quads are improved one by one. Default 0.35.
+    pub poor: f64,
+    /// Rounds of that at most. Default 12.
+    pub rounds: usize,
+}
+
+impl Default for FinishOptions {
+    fn default() -> Self {
+        Self { sweeps: 25, settled_rel: 0.01, stretch_kept: 0.7, laplacian: 0.1, poor: 0.35, rounds: 12 }
+    }
+}
+
+/// What finishing did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FinishReport {
+    /// Sweeps made.
+    pub sweeps: usize,
+    /// Moves of single vertices at poor quads.
+    pub single_moves: usize,
+    /// Vertices whose corner or curve was not found on the input: they lie on the surface only.
+    pub mismatched: usize,
+    /// Quads inverted or facing against the surface, when put onto it.
+    pub bad_before: usize,
+    /// The same at the end.
+    pub bad_after: usize,
+}
+
+/// A finished quad mesh.
+#[derive(Clone, Debug)]
+pub struct Finished {
+    /// The quads, numbered as in the extraction.
+    pub mesh: QuadMesh,
+    /// What was done.
+    pub report: FinishReport,
+}
+
+/// Why finishing gave up.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FinishError {
+    /// The caller or the time limit stopped the run.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A position is not finite: the input has coordinates near the limits of floating point.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+}
+
+/// Moves the quads onto the input surface and smooths them there.
+///
+/// # Input      quads: an extraction whose chain numbers are those of `reference`
+/// # Output     the same connectivity with other positions
+/// # Errors     cancellation; positions that are not finite
+/// # Cost       per sweep one closest-point query per vertex, in parallel
+/// # Guarantees no quad becomes inverted or turns against the surface once it is neither; deterministic
+pub fn finish(
+    quads: &Extraction,
+    reference: &Reference,
+    options: &FinishOptions,
+    progress: &Progress,
+) -> Result<Finished, FinishError> {
+    progress.check()?;
+    let edge = mean_edge(&quads.mesh);
+    let mut report = FinishReport::default();
+    // 1. Onto the input.
+    let ties = Ties::new(quads, reference, edge);
+    report.mismatched = ties.mismatched;
+    let mut state = State::new(&quads.mesh, reference, ties);
+    let bad = |state: &State| state.quality.iter().filter(|&&q| q <= 0.0).count();
+    report.bad_before = bad(&state);
+    // 2. What is inverted is cured first: sweeps only keep what is good.
+    if report.bad_before > 0 {
+        report.single_moves += improve_worst(&mut state, 0.05, options.rounds, progress)?;
+    }
+    // 3. Sweeps.
+    let aim = Aim { stretch_kept: options.stretch_kept, laplacian: options.laplacian, step: 1.0 };
+    for k in 0..options.sweeps {
+        progress.check()?;
+        progress.report("finish", k as f64 / options.sweeps as f64);
+        report.sweeps += 1;
+        if sweep(&mut state, aim) < options.settled_rel * edge {
+            break;
+        }
+    }
+    // 4. The worst ones by themselves.
+    report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
+    report.bad_after = bad(&state);
+    let mesh = quads.mesh.with_positions(state.position)?;
+    progress.report("finish", 1.0);
+    Ok(Finished { mesh, report })
+}
+
+fn mean_edge(mesh: &QuadMesh) -> f64 {
+    let total: f64 = mesh
+        .edges()
+        .map(|e| {
+            let [a, b] = mesh.ends(e).map(|v| mesh.position(v));
+            a.distance(b)
+        })
+        .sum();
+    total / mesh.edge_count().max(1) as f64
+}

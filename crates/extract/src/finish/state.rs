@@ -1,0 +1,193 @@
+//! The moving vertices of finishing, and what may not get worse.
+//!
+//! In: ties and positions. Out: [`State`], with proposals that are taken back where they hurt a quad.
+//! Holds: after [`State::advance`] no quad is worse than before, unless it is better than [`QUALITY_FLOOR`].
+//! Source: own.
+
+use super::ties::{Tie, Ties, project};
+use crate::quality::{scaled_jacobian, worst_corner};
+use crate::reference::Reference;
+use quadloom_mesh::{DVec3, FaceId, QuadMesh, VertexId, VertexMap};
+use rayon::prelude::*;
+
+/// Quads above this scaled Jacobian may get worse, down to it, for the sake of their neighbours.
+///
+/// Larger: sweeps stall at the first poor quad; smaller: single quads are given up for the mean.
+const QUALITY_FLOOR: f64 = 0.5;
+
+/// A vertex moves at most this part of the way to its neighbour along a curve, so that two never pass each other.
+const CURVE_STEP_REL: f64 = 0.45;
+
+/// Cosine between a quad's normal and the surface normals at its corners above which no query is needed.
+const CLEARLY_FACING: f64 = 0.25;
+
+/// A new place for a vertex.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Move {
+    pub position: DVec3,
+    pub tie: Tie,
+}
+
+/// Positions, ties and quality of a quad mesh on its way.
+pub(crate) struct State<'a> {
+    pub quads: &'a QuadMesh,
+    pub reference: &'a Reference<'a>,
+    pub position: VertexMap<DVec3>,
+    pub tie: VertexMap<Tie>,
+    along: VertexMap<[Option<VertexId>; 2]>,
+    /// Quality of each quad: its scaled Jacobian; negative where it faces against the surface.
+    pub quality: Vec<f64>,
+}
+
+impl<'a> State<'a> {
+    pub fn new(quads: &'a QuadMesh, reference: &'a Reference<'a>, ties: Ties) -> Self {
+        let Ties { position, tie, along, .. } = ties;
+        let mut state = Self { quads, reference, position, tie, along, quality: Vec::new() };
+        state.quality = (0..quads.face_count()).into_par_iter().map(|f| state.measure(FaceId::new(f))).collect();
+        state
+    }
+
+    /// Positions of a quad's corners.
+    pub fn corners(&self, f: FaceId) -> [DVec3; 4] {
+        self.quads.face_vertices(f).map(|v| self.position[v])
+    }
+
+    /// Quality of a quad at the current positions.
+    pub fn measure(&self, f: FaceId) -> f64 {
+        let corner = self.corners(f);
+        let jacobian = scaled_jacobian(corner);
+        match self.against(f, corner) {
+            None => jacobian,
+            Some(normal) => worst_corner(corner, normal).min(0.0) - 1e-9,
+        }
+    }
+
+    /// The surface's unit normal at the quad's centre if the quad faces against it.
+    fn against(&self, f: FaceId, corner: [DVec3; 4]) -> Option<DVec3> {
+        let normal = (corner[2] - corner[0]).cross(corner[3] - corner[1]);
+        let vertices = self.quads.face_vertices(f);
+        let faces = vertices.map(|v| match self.tie[v] {
+            Tie::Surface { face } => Some(face),
+            _ => None,
+        });
+        let clearly = |face: FaceId| {
+            let area = self.reference.mesh.vector_area(face);
+            area.dot(normal) > CLEARLY_FACING * area.length() * normal.length()
+        };
+        let mut on_surface = faces.into_iter().flatten();
+        let hint = on_surface.clone().next();
+        if on_surface.clone().count() >= 2 && on_surface.all(clearly) {
+            return None;
+        }
+        let centre = corner.iter().sum::<DVec3>() / 4.0;
+        let query = |p: DVec3| match hint {
+            Some(face) => self.reference.closest.query_near(p, face),
+            None => self.reference.closest.query(p),
+        };
+        let at_centre = query(centre).point.face;
+        let area = self.reference.mesh.vector_area(at_centre);
+        (area.dot(normal) <= 0.0 && self.reference.faces_against(corner, at_centre)).then(|| area.normalize_or_zero())
+    }
+
+    /// Area-weighted normal of the quads around a vertex, not normalised.
+    pub fn vertex_normal(&self, v: VertexId) -> DVec3 {
+        let normal = |f: FaceId| {
+            let [a, b, c, d] = self.corners(f);
+            (c - a).cross(d - b)
+        };
+        self.quads.outgoing(v).map(|h| normal(self.quads.face(h))).sum()
+    }
+
+    /// The place that a displacement takes a vertex to, on what it is tied to; `None` if it cannot move.
+    pub fn displaced(&self, v: VertexId, displacement: DVec3, normal: DVec3) -> Option<Move> {
+        let p = self.position[v];
+        match self.tie[v] {
+            Tie::Fixed => None,
+            Tie::Surface { face } => {
+                let n = normal.normalize_or_zero();
+                let tangential = displacement - n * displacement.dot(n);
+                let (position, face) = project(self.reference, p + tangential, normal, Some(face))?;
+                Some(Move { position, tie: Tie::Surface { face } })
+            }
+            Tie::Curve { chain, arc } => {
+                let curves = &self.reference.curves;
+                let (back, ahead) = self.room(v, chain, arc)?;
+                // The curve's direction over the distance to be moved, so that corners of the polyline do not stick.
+                let reach = (0.5 * displacement.length()).max(1e-9 * curves.length(chain));
+                let (a, b) = (curves.at(chain, arc - reach).position, curves.at(chain, arc + reach).position);
+                let step = displacement.dot((b - a).normalize_or_zero());
+                let c = curves.at(chain, arc + step.clamp(-CURVE_STEP_REL * back, CURVE_STEP_REL * ahead));
+                Some(Move { position: c.position, tie: Tie::Curve { chain, arc: c.arc } })
+            }
+        }
+    }
+
+    /// Lengths along a curve from a vertex to its neighbours before and after it.
+    fn room(&self, v: VertexId, chain: u32, arc: f64) -> Option<(f64, f64)> {
+        let curves = &self.reference.curves;
+        let total = curves.length(chain);
+        let [Some(a), Some(b)] = self.along[v] else { return None };
+        let arc_of = |w: VertexId| match self.tie[w] {
+            Tie::Curve { chain: c, arc } if c == chain => Some(arc),
+            _ => None,
+        };
+        let gap = |to: f64| {
+            let d = to - arc;
+            if curves.is_closed(chain) && total > 0.0 { d - total * (d / total).round() } else { d }
+        };
+        let (a, b) = match (arc_of(a), arc_of(b)) {
+            (Some(a), Some(b)) => (gap(a), gap(b)),
+            // A neighbour that is a corner lies at the end on its side.
+            (Some(a), None) => (gap(a), if a < arc { total - arc } else { -arc }),
+            (None, Some(b)) => (if b < arc { total - arc } else { -arc }, gap(b)),
+            (None, None) => (-arc, total - arc),
+        };
+        (a * b < 0.0).then(|| (-a.min(b), a.max(b)))
+    }
+
+    /// Takes all moves at once, then takes back those at quads that got worse, until none is.
+    ///
+    /// # Output     largest distance moved, file units
+    pub fn advance(&mut self, moves: &[Option<Move>]) -> f64 {
+        let old: Vec<Move> = self.quads.vertices().map(|v| self.place(v)).collect();
+        for v in self.quads.vertices() {
+            if let Some(m) = moves[v.index()] {
+                self.put(v, m);
+            }
+        }
+        let mut touched: Vec<FaceId> = self.quads.faces().collect();
+        let mut quality = self.quality.clone();
+        while !touched.is_empty() {
+            let measured: Vec<f64> = touched.par_iter().map(|&f| self.measure(f)).collect();
+            let mut back: Vec<VertexId> = Vec::new();
+            for (&f, &q) in touched.iter().zip(&measured) {
+                quality[f.index()] = q;
+                if q < self.quality[f.index()].min(QUALITY_FLOOR) {
+                    back.extend(self.quads.face_vertices(f));
+                }
+            }
+            back.sort_unstable();
+            back.dedup();
+            back.retain(|&v| self.position[v] != old[v.index()].position);
+            for &v in &back {
+                self.put(v, old[v.index()]);
+            }
+            touched = back.iter().flat_map(|&v| self.quads.outgoing(v).map(|h| self.quads.face(h))).collect();
+            touched.sort_unstable();
+            touched.dedup();
+        }
+        self.quality = quality;
+        self.quads.vertices().map(|v| self.position[v].distance(old[v.index()].position)).fold(0.0, f64::max)
+    }
+
+    /// Where a vertex is.
+    pub fn place(&self, v: VertexId) -> Move {
+        Move { position: self.position[v], tie: self.tie[v] }
+    }
+
+    /// Puts a vertex somewhere; the quality of its quads is not updated.
+    pub fn put(&mut self, v: VertexId, to: Move) {
+        self.position[v] = to.position;
+        self.tie[v] = to.tie;
+    }
+}

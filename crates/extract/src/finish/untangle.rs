@@ -1,0 +1,101 @@
+//! Improving the worst quads one vertex at a time.
+//!
+//! In: a [`State`]. Out: the same with its poor quads better. Holds: the worst quad at a moved vertex only improves.
+//! Source: pattern search on the local maximin, the classical alternative to [Freitag1997]'s linear programs.
+
+use super::state::{Move, State};
+use super::ties::Tie;
+use quadloom_mesh::{Cancelled, DVec3, FaceId, Progress, VertexId};
+
+/// Radii of the pattern, relative to the mean length of the edges at the vertex.
+const RADII_REL: [f64; 4] = [0.5, 0.2, 0.08, 0.03];
+
+/// Directions of the pattern.
+const DIRECTIONS: usize = 8;
+
+/// Improves the quads below `threshold`, in at most `rounds` rounds.
+///
+/// # Output     number of moves
+/// # Errors     cancellation
+pub(crate) fn improve_worst(
+    state: &mut State,
+    threshold: f64,
+    rounds: usize,
+    progress: &Progress,
+) -> Result<usize, Cancelled> {
+    let mut moves = 0;
+    for _ in 0..rounds {
+        progress.check()?;
+        let before = moves;
+        let poor = state.quads.faces().filter(|f| state.quality[f.index()] < threshold);
+        let mut vertices: Vec<VertexId> = poor.flat_map(|f| state.quads.face_vertices(f)).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        for v in vertices {
+            moves += usize::from(improve(state, v));
+        }
+        if moves == before {
+            break;
+        }
+    }
+    Ok(moves)
+}
+
+/// Moves a vertex to the best place of the pattern around it, if one is better.
+fn improve(state: &mut State, v: VertexId) -> bool {
+    let start = state.place(v);
+    if start.tie == Tie::Fixed {
+        return false;
+    }
+    let faces: Vec<FaceId> = state.quads.outgoing(v).map(|h| state.quads.face(h)).collect();
+    let (mut best, mut best_worst) = (start, worst(state, &faces));
+    let normal = state.vertex_normal(v);
+    for displacement in pattern(state, v, normal) {
+        let Some(there) = state.displaced(v, displacement, normal) else { continue };
+        state.put(v, there);
+        let found = worst(state, &faces);
+        if found > best_worst + 1e-6 {
+            (best, best_worst) = (there, found);
+        }
+        state.put(v, start);
+    }
+    let moved = best.position != start.position;
+    if moved {
+        state.put(v, best);
+        for f in faces {
+            state.quality[f.index()] = state.measure(f);
+        }
+    }
+    moved
+}
+
+fn worst(state: &State, faces: &[FaceId]) -> f64 {
+    faces.iter().map(|&f| state.measure(f)).fold(f64::INFINITY, f64::min)
+}
+
+/// Displacements to try: to the mean of the neighbours, and on circles in the tangent plane.
+fn pattern(state: &State, v: VertexId, normal: DVec3) -> Vec<DVec3> {
+    let Move { position: p, tie } = state.place(v);
+    let around: Vec<DVec3> = state.quads.neighbours(v).map(|w| state.position[w] - p).collect();
+    let count = around.len() as f64;
+    let size = around.iter().map(|d| d.length()).sum::<f64>() / count;
+    let mut list = vec![around.iter().sum::<DVec3>() / count];
+    let x = match tie {
+        // On a curve only the direction along it counts.
+        Tie::Curve { chain, arc } => {
+            let curves = &state.reference.curves;
+            let (a, b) = (curves.at(chain, arc - 0.1 * size), curves.at(chain, arc + 0.1 * size));
+            let t = (b.position - a.position).normalize_or_zero();
+            return RADII_REL.iter().flat_map(|r| [t * (r * size), t * (-r * size)]).collect();
+        }
+        _ => normal.try_normalize().map_or(DVec3::X, |n| n.any_orthonormal_vector()),
+    };
+    let y = normal.normalize_or_zero().cross(x);
+    for r in RADII_REL {
+        for k in 0..DIRECTIONS {
+            let angle = std::f64::consts::TAU * k as f64 / DIRECTIONS as f64;
+            list.push((x * angle.cos() + y * angle.sin()) * (r * size));
+        }
+    }
+    list
+}
