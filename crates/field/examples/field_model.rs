@@ -21,6 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         match word.as_str() {
             "--off" => sharp = None,
             "--greedy" => options.start = FieldStart::Rounded(Rounding::Greedy),
+            "--exactly" => options.start = FieldStart::SmoothestExactly,
             "--direct" => options.start = FieldStart::Rounded(Rounding::Direct),
             "--one" => options.start = FieldStart::Rounded(Rounding::GreedyOneByOne),
             "--raw" => remeshed = false,

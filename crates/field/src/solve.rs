@@ -14,7 +14,7 @@ use crate::cross_field::{CrossField, nearest_jump};
 use crate::error::FieldError;
 use crate::mixed_integer::mixed_integer_jumps;
 use crate::search::{Search, SearchOptions, index_groups};
-use crate::smoothest::smoothest_angles;
+use crate::smoothest::{COARSEST, smoothest_angles};
 use crate::system::{Roots, SmoothnessSystem};
 use crate::transport::Transport;
 use quadloom_mesh::{EdgeMap, FaceId, FaceMap, Progress, TriConnectivity};
@@ -25,8 +25,11 @@ use std::time::Instant;
 /// How the first period jumps are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FieldStart {
-    /// From the globally optimal direction field ([Knoppel2013]); where indices are prescribed, as `Rounded` greedily.
+    /// From the globally optimal direction field ([Knoppel2013]), solved on a coarsened mesh and smoothed; where
+    /// indices are prescribed, as `Rounded` greedily.
     Smoothest,
+    /// As `Smoothest`, solved on the whole mesh: slower, the same after the local search in general.
+    SmoothestExactly,
     /// By the mixed-integer solver ([Bommes2012] §8.2).
     Rounded(Rounding),
 }
@@ -113,8 +116,9 @@ pub fn solve_cross_field(
     report.anchors = roots.anchors.clone();
     // 2. Start.
     let period_jump = match options.start {
-        FieldStart::Smoothest if !constraints.prescribes_indices() => {
-            let angle = smoothest_angles(mesh, transport, &roots, progress)?;
+        start @ (FieldStart::Smoothest | FieldStart::SmoothestExactly) if !constraints.prescribes_indices() => {
+            let coarsest = if start == FieldStart::Smoothest { COARSEST } else { usize::MAX };
+            let angle = smoothest_angles(mesh, transport, &roots, coarsest, progress)?;
             turn_soft_directions(&mut roots, &angle);
             EdgeMap::from_fn(mesh.edge_count(), |e| nearest_jump(mesh, transport, &angle, e))
         }
