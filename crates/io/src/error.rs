@@ -136,6 +136,12 @@ pub enum IoError {
         /// Number of vertices in it.
         vertices: usize,
     },
+    /// A file of curves holds none.
+    #[error("{}: no curve; an OBJ with polylines (lines that start with `l`) is needed", path.display())]
+    NoPolylines {
+        /// The file.
+        path: PathBuf,
+    },
     /// A file that goes with a mesh does not fit it.
     #[error("{}: {what}; was it made for another mesh?", path.display())]
     Mismatch {
@@ -214,6 +220,7 @@ impl IoError {
             | Self::UnknownFormat { path, .. }
             | Self::Content { path, .. }
             | Self::NoFaces { path, .. }
+            | Self::NoPolylines { path }
             | Self::Mismatch { path, .. }
             | Self::UnknownOutput { path }
             | Self::InvalidSurface { path, .. }

@@ -81,8 +81,7 @@ pub fn read_features(path: impl AsRef<Path>) -> Result<FeatureFile, IoError> {
 pub(crate) fn read_polylines(path: &Path) -> Result<(Vec<DVec3>, Vec<Vec<u32>>), IoError> {
     let soup = obj::parse(&read_bytes(path)?).map_err(|fault| fault.in_file(path))?;
     if soup.polylines.is_empty() {
-        let what = "it has no polyline (a line that starts with `l`)".into();
-        return Err(IoError::Mismatch { path: path.to_path_buf(), what });
+        return Err(IoError::NoPolylines { path: path.to_path_buf() });
     }
     Ok((soup.positions, soup.polylines))
 }

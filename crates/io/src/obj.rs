@@ -9,6 +9,7 @@ use crate::surface::SurfaceOut;
 use crate::text::{Line, Lines, Shortest, coordinate, number_at, parse_integer, point, shown, tokens};
 use quadloom_mesh::{DVec3, FaceSoup};
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::io::{self, Write};
 
 /// Largest number of elements that 32-bit ids can name.
@@ -231,7 +232,32 @@ fn map_corners(face_uv: &[Vec<u32>], uv: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     face_uv.iter().map(|face| face.iter().map(known).collect::<Option<_>>().unwrap_or_default()).collect()
 }
 
-/// Writes an OBJ file: vertices, one texture vertex per mapped corner, faces, feature polylines.
+/// Texture vertices in the order of their first corner; corners of one vertex share those that are equal, so that
+/// programs see a connected map.
+#[derive(Default)]
+struct TextureVertices {
+    list: Vec<[f64; 2]>,
+    /// Number in `list` for each corner of each mapped face.
+    of_corner: Vec<u32>,
+}
+
+impl TextureVertices {
+    fn of(surface: &SurfaceOut) -> Self {
+        let mut textures = Self::default();
+        let mut known = HashMap::new();
+        let mapped = surface.corner_uv.iter().flatten().zip(&surface.faces).flat_map(|(uv, face)| uv.iter().zip(face));
+        for (uv, &v) in mapped {
+            let number = *known.entry((v, uv.map(f64::to_bits))).or_insert_with(|| {
+                textures.list.push(*uv);
+                (textures.list.len() - 1) as u32
+            });
+            textures.of_corner.push(number);
+        }
+        textures
+    }
+}
+
+/// Writes an OBJ file: vertices, texture vertices, faces, feature polylines.
 pub(crate) fn write(surface: &SurfaceOut, out: &mut dyn Write) -> io::Result<()> {
     for (v, p) in surface.positions.iter().enumerate() {
         write!(out, "v {} {} {}", Shortest(p.x), Shortest(p.y), Shortest(p.z))?;
@@ -240,18 +266,18 @@ pub(crate) fn write(surface: &SurfaceOut, out: &mut dyn Write) -> io::Result<()>
             None => out.write_all(b"\n")?,
         }
     }
-    for [u, v] in surface.corner_uv.iter().flatten().flatten() {
+    let textures = TextureVertices::of(surface);
+    for [u, v] in &textures.list {
         writeln!(out, "vt {} {}", Shortest(*u), Shortest(*v))?;
     }
-    let mut next_uv = 1u64;
+    let mut of_corner = textures.of_corner.iter();
     for (f, face) in surface.faces.iter().enumerate() {
         let mapped = surface.corner_uv.as_ref().is_some_and(|uv| !uv[f].is_empty());
         out.write_all(b"f")?;
         for v in face {
             write!(out, " {}", u64::from(*v) + 1)?;
-            if mapped {
-                write!(out, "/{next_uv}")?;
-                next_uv += 1;
+            if mapped && let Some(t) = of_corner.next() {
+                write!(out, "/{}", u64::from(*t) + 1)?;
             }
         }
         out.write_all(b"\n")?;
@@ -372,5 +398,19 @@ mod tests {
             soup.corner_uv.unwrap(),
             [vec![[0.25, 0.0], [1.0, 0.0], [0.25, 0.0]], none.clone(), none.clone(), none]
         );
+    }
+
+    #[test]
+    fn corners_of_a_vertex_share_equal_texture_vertices() {
+        let uv = |x: f64| [x, 0.0];
+        let surface = SurfaceOut {
+            corner_uv: Some(vec![vec![uv(0.0), uv(0.0), uv(1.0)], vec![], vec![uv(0.0), uv(2.0), uv(0.0)]]),
+            ..SurfaceOut::new(vec![DVec3::ZERO, DVec3::X, DVec3::Y], vec![vec![0, 1, 2], vec![0, 1, 2], vec![0, 2, 1]])
+        };
+        let mut text = Vec::new();
+        write(&surface, &mut text).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        assert_eq!(text.lines().filter(|l| l.starts_with("vt")).count(), 4);
+        assert!(text.ends_with("f 1/1 2/2 3/3\nf 1 2 3\nf 1/1 3/4 2/2\n"), "{text}");
     }
 }

@@ -86,11 +86,11 @@ impl SurfaceOut {
         if let Some(v) = self.positions.iter().position(|p| !p.is_finite()) {
             return Some(format!("vertex {v} has a coordinate that is not finite"));
         }
-        if let Some(f) = self.faces.iter().position(|face| face.len() < 3) {
-            return Some(format!("face {f} has fewer than three corners"));
-        }
-        for (what, lists) in [("face", &self.faces), ("polyline", &self.polylines)] {
+        for (what, lists, fewest) in [("face", &self.faces, 3), ("polyline", &self.polylines, 2)] {
             for (k, list) in lists.iter().enumerate() {
+                if list.len() < fewest {
+                    return Some(format!("{what} {k} has fewer than {fewest} vertices"));
+                }
                 if let Some(v) = list.iter().find(|&&v| v as usize >= n) {
                     return Some(format!("{what} {k} uses vertex {v}, but there are only {n} vertices"));
                 }
@@ -118,18 +118,26 @@ impl SurfaceOut {
     }
 
     fn attribute_defect(&self) -> Option<String> {
-        let lists = [(&self.vertex_attributes, self.positions.len()), (&self.face_attributes, self.faces.len())];
-        lists.iter().flat_map(|(list, n)| list.iter().map(move |(name, values)| (name, values.len(), *n))).find_map(
-            |(name, found, wanted)| {
-                let bad_name = name.is_empty() || name.chars().any(|c| c.is_whitespace() || c.is_control());
-                if bad_name {
-                    Some(format!("attribute name `{name}` is empty or has blanks"))
-                } else {
-                    (found != wanted).then(|| format!("attribute {name} has {found} values for {wanted} elements"))
-                }
-            },
-        )
+        [(&self.vertex_attributes, self.positions.len()), (&self.face_attributes, self.faces.len())]
+            .into_iter()
+            .find_map(|(attributes, elements)| list_defect(attributes, elements))
     }
+}
+
+/// Names that mean something else in one of the formats.
+const RESERVED_NAMES: [&str; 8] = ["x", "y", "z", "red", "green", "blue", "vertex_indices", "texcoord"];
+
+fn list_defect(attributes: &[(String, Vec<f64>)], elements: usize) -> Option<String> {
+    attributes.iter().enumerate().find_map(|(k, (name, values))| {
+        if name.is_empty() || name.chars().any(|c| c.is_whitespace() || c.is_control()) {
+            return Some(format!("attribute name `{name}` is empty or has blanks"));
+        }
+        if RESERVED_NAMES.contains(&name.as_str()) || attributes[..k].iter().any(|(other, _)| other == name) {
+            return Some(format!("attribute name `{name}` is taken"));
+        }
+        let found = values.len();
+        (found != elements).then(|| format!("attribute {name} has {found} values for {elements} elements"))
+    })
 }
 
 impl<S: FaceShape> From<&Mesh<S>> for SurfaceOut {

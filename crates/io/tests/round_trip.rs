@@ -326,12 +326,15 @@ fn what_a_format_cannot_hold_is_said() {
 fn nothing_that_is_not_a_surface_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let good = SurfaceOut::new(vec![DVec3::ZERO, DVec3::X, DVec3::Y], vec![vec![0, 1, 2]]);
-    let broken: [(&str, SurfaceOut); 9] = [
+    let broken: [(&str, SurfaceOut); 12] = [
         ("no face", SurfaceOut { faces: vec![], ..good.clone() }),
         ("vertex 1", SurfaceOut { positions: vec![DVec3::ZERO, DVec3::NAN, DVec3::Y], ..good.clone() }),
         ("vertex 3", SurfaceOut { faces: vec![vec![0, 1, 3]], ..good.clone() }),
-        ("three corners", SurfaceOut { faces: vec![vec![0, 1]], ..good.clone() }),
+        ("fewer than 3", SurfaceOut { faces: vec![vec![0, 1]], ..good.clone() }),
         ("polyline 0", SurfaceOut { polylines: vec![vec![0, 7]], ..good.clone() }),
+        ("fewer than 2", SurfaceOut { polylines: vec![vec![0]], ..good.clone() }),
+        ("taken", SurfaceOut { vertex_attributes: vec![("red".into(), vec![0.0; 3])], ..good.clone() }),
+        ("taken", SurfaceOut { face_attributes: vec![("a".into(), vec![0.0]); 2], ..good.clone() }),
         ("texture", SurfaceOut { corner_uv: Some(vec![vec![[0.0; 2]; 2]]), ..good.clone() }),
         ("for 0", SurfaceOut { corner_uv: Some(vec![]), ..good.clone() }),
         ("2 values", SurfaceOut { vertex_attributes: vec![("a".into(), vec![0.0; 2])], ..good.clone() }),
