@@ -177,14 +177,15 @@ impl<'a> Parametrizer<'a> {
         report.seconds[1] = start.elapsed().as_secs_f64();
         report.inverted_after_solve = placed.inverted_faces(self.mesh).len();
         // 2., 3. Other points at the same integers.
-        report.rung = self.repair(&mut placed, &gradient, options, &mut report, progress)?;
+        let quick = options.untangle.quick();
+        report.rung = self.repair(&mut placed, &gradient, options, &quick, &mut report, progress)?;
         let mut inverted = placed.inverted_faces(self.mesh);
         // 4. Other integers.
         if !inverted.is_empty() {
             progress.check()?;
             let mut second = report.clone();
             if let Some(mut other) = self.separated(&gradient, options, &mut second, progress)? {
-                self.repair(&mut other, &gradient, options, &mut second, progress)?;
+                self.repair(&mut other, &gradient, options, &options.untangle, &mut second, progress)?;
                 let still = other.inverted_faces(self.mesh);
                 report.separation = second.separation.clone();
                 if still.len() < inverted.len() {
@@ -193,6 +194,8 @@ impl<'a> Parametrizer<'a> {
                 }
             } else {
                 report.separation = second.separation;
+                report.untangle = untangle(self.mesh, &mut placed, &gradient, &options.untangle, progress);
+                inverted = placed.inverted_faces(self.mesh);
             }
         }
         report.seconds[2] = start.elapsed().as_secs_f64() - report.seconds[1];
@@ -221,11 +224,13 @@ impl<'a> Parametrizer<'a> {
         PlacedMap::new(self.mesh, &self.charts, &solution.x, GRID_UNIT).map_err(ParamError::Placement)
     }
 
+    /// Rungs 2 and 3 at the map's integers.
     fn repair(
         &self,
         placed: &mut PlacedMap,
         gradient: &FaceMap<FaceGradient>,
         options: &ParamOptions,
+        untangling: &UntangleOptions,
         report: &mut ParamReport,
         progress: &Progress,
     ) -> Result<Rung, ParamError> {
@@ -234,7 +239,7 @@ impl<'a> Parametrizer<'a> {
         if report.stiffen.inverted_after == 0 {
             return Ok(if report.stiffen.iterations == 0 { Rung::Solved } else { Rung::Stiffened });
         }
-        report.untangle = untangle(self.mesh, placed, gradient, &options.untangle, progress);
+        report.untangle = untangle(self.mesh, placed, gradient, untangling, progress);
         progress.check()?;
         Ok(Rung::Untangled)
     }
@@ -257,10 +262,14 @@ impl<'a> Parametrizer<'a> {
         let solution = self.solver.solve(&energy, &direct).map_err(|e| solve_error(e, progress))?;
         let mut seamless =
             PlacedMap::new(self.mesh, &self.charts, &solution.x, fine).map_err(ParamError::Placement)?;
-        self.repair(&mut seamless, gradient, options, &mut ParamReport::default(), progress)?;
-        let folds = seamless.inverted_faces(self.mesh).len();
-        if folds > 0 {
-            report.separation = Some(SeparationReport { seamless_inverted: folds, ..Default::default() });
+        self.repair(&mut seamless, gradient, options, &options.untangle, &mut ParamReport::default(), progress)?;
+        let folds = seamless.inverted_faces(self.mesh);
+        if !folds.is_empty() {
+            report.separation = Some(SeparationReport {
+                seamless_inverted: folds.len(),
+                seamless_inverted_faces: folds.into_iter().take(MAX_NAMED_FACES).collect(),
+                ..Default::default()
+            });
             return Ok(None);
         }
         // 2. Its motorcycle graph.
@@ -292,6 +301,9 @@ impl<'a> Parametrizer<'a> {
         }
     }
 }
+
+/// Faces that a report names.
+const MAX_NAMED_FACES: usize = 20;
 
 /// Binary digits of the grid on which the seamless map lives.
 ///

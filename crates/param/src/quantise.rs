@@ -6,6 +6,7 @@
 //! Source: the validity conditions of [Campen2015] §4, imposed lazily as rows of the problem of [Bommes2012] §8.4.
 
 use crate::tmesh::{Arc, Form, TMesh, evaluate};
+use quadloom_mesh::FaceId;
 
 /// One row that was added: a length that is prescribed.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +43,8 @@ pub struct SeparationReport {
     pub violated: usize,
     /// Inverted faces of the seamless map; where there are any, nothing was traced.
     pub seamless_inverted: usize,
+    /// The first of them.
+    pub seamless_inverted_faces: Vec<FaceId>,
 }
 
 /// Solves again and again, each time prescribing the lengths that came out wrong.

@@ -75,9 +75,14 @@ pub fn stiffen(
         report.iterations += 1;
         // 3. Keep the best.
         let inverted = trial.inverted_faces(mesh).len();
+        let improved = 4 * inverted <= 3 * best;
         if inverted < best {
             best = inverted;
             points = trial.point.clone();
+        }
+        // Folds that a re-solve hardly touches are left to the untangler.
+        if !improved {
+            break;
         }
     }
     map.point = points;

@@ -163,6 +163,11 @@ struct Passage {
     end: i64,
 }
 
+/// Faces that all traces together may cross, per face of the mesh; a graph that needs more is not worth having.
+///
+/// Motorcycle graphs of maps at sensible sizes cross each face about once; spirals that never end cross it for ever.
+const STEPS_PER_FACE: usize = 8;
+
 struct Tracer<'a> {
     mesh: &'a TriConnectivity,
     features: &'a FeatureGraph,
@@ -363,7 +368,7 @@ impl<'a> Tracer<'a> {
 
     fn run(&mut self, progress: &Progress) -> Result<(), TraceError> {
         self.state.resize(self.lines.len(), None);
-        let most = 200 * self.mesh.face_count() + 10_000;
+        let most = STEPS_PER_FACE * self.mesh.face_count() + 20_000;
         let mut steps = 0;
         while let Some(Reverse((_, line))) = self.queue.pop() {
             steps += 1;
@@ -391,7 +396,15 @@ impl<'a> Tracer<'a> {
             return Ok(());
         }
         self.passages[face].push(passage);
-        // 2. The side ahead.
+        // 2. An integer vertex exactly ahead.
+        if let Some(corner) = self.vertex_ahead(&passage, face, entered) {
+            let place = self.new_place(corner);
+            let node = self.node_of[self.mesh.origin(corner)];
+            let end = self.along(&passage, self.map.uv[corner], place, node);
+            self.lines[line as usize].end = Some(end);
+            return Ok(());
+        }
+        // 3. The side ahead.
         let exit = self.exit_side(&passage, face, entered)?;
         if let Some(side) = self.feature_side[exit] {
             let node = self.pinned.len() as u32;
@@ -408,6 +421,21 @@ impl<'a> Tracer<'a> {
         self.state[line as usize] = Some((carried, self.mesh.face(twin), Some(twin)));
         self.queue.push(Reverse((distance, line)));
         Ok(())
+    }
+
+    /// A corner of the face at an integer vertex that lies exactly on the line, ahead of where it was entered.
+    fn vertex_ahead(&self, p: &Passage, face: FaceId, entered: Option<HalfEdgeId>) -> Option<HalfEdgeId> {
+        let (k, sign) = axis(p.direction);
+        let candidates = match entered {
+            Some(g) => vec![self.mesh.prev(g)],
+            None => self.mesh.face_half_edges(face).to_vec(),
+        };
+        candidates.into_iter().find(|&h| {
+            let at = self.map.uv[h];
+            self.charts.is_integer[self.mesh.origin(h)]
+                && at[1 - k] == p.source[1 - k]
+                && sign * (at[k] - p.source[k]) > 0
+        })
     }
 
     fn first_crossing(&self, passage: &Passage, face: FaceId) -> Option<(Passage, i64)> {

@@ -14,7 +14,7 @@ use quadloom_numeric::{SparseCholesky, SparseSymmetric};
 /// How hard the untangler tries.
 #[derive(Clone, Debug)]
 pub struct UntangleOptions {
-    /// Rings of faces around the inverted ones that may move, one attempt each. Default 4, 9, 20: most folds
+    /// Rings of faces around the inverted ones that may move, one attempt each. Default 3, 8, 20: most folds
     /// sit at a singularity and need few; larger regions cost more and reach farther.
     pub rings: Vec<u32>,
     /// Newton steps per attempt. Default 60.
@@ -25,7 +25,14 @@ pub struct UntangleOptions {
 
 impl Default for UntangleOptions {
     fn default() -> Self {
-        Self { rings: vec![4, 9, 20], steps: 60, area_weight: 1.0 }
+        Self { rings: vec![3, 8, 20], steps: 60, area_weight: 1.0 }
+    }
+}
+
+impl UntangleOptions {
+    /// The first ring alone: removes what is easy, and shows quickly that the rest needs other integers.
+    pub fn quick(&self) -> Self {
+        Self { rings: self.rings.iter().copied().take(1).collect(), ..self.clone() }
     }
 }
 
@@ -139,12 +146,23 @@ fn untangle_region(
     let mut steps = 0;
     let mut settled = 0;
     let mut epsilon = problem.first_epsilon(map);
+    let mut worst = problem.least_determinant(map);
+    let mut stagnant = 0;
     while steps < options.steps && !progress.cancelled() {
         steps += 1;
         let old = problem.energy(map, options.area_weight, epsilon);
         let Some(direction) = problem.newton_direction(map, options.area_weight, epsilon) else { break };
         let new = problem.line_search(map, &direction, old, options.area_weight, epsilon);
-        if problem.least_determinant(map) > MIN_DETERMINANT {
+        let least = problem.least_determinant(map);
+        if least > worst + 0.02 * worst.abs() {
+            (worst, stagnant) = (least, 0);
+        } else {
+            stagnant += 1;
+        }
+        if least <= 0.0 && stagnant >= STAGNANT_STEPS {
+            break;
+        }
+        if least > MIN_DETERMINANT {
             settled += 1;
             if settled >= SETTLING_STEPS || old - new < 1e-3 * old {
                 break;
@@ -169,6 +187,11 @@ const MIN_DETERMINANT: f64 = 1e-3;
 
 /// Newton steps spent on evening out a region once it is fold-free.
 const SETTLING_STEPS: u32 = 4;
+
+/// Steps without a better worst triangle after which a region is given up: its integers exclude a solution.
+///
+/// Fewer lose folds that open late (seen up to 9 steps on thin fins); more waste time on hopeless ones.
+const STAGNANT_STEPS: u32 = 12;
 
 struct Region<'a> {
     gradient: &'a FaceMap<FaceGradient>,
