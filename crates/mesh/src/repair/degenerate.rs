@@ -36,7 +36,9 @@ pub(super) fn remove(mut draft: Draft, tolerance: f64, report: &mut RepairReport
         return draft;
     }
     // A draft that is no manifold is refused, with its defects, when the mesh is built.
-    let Ok(connectivity) = TriConnectivity::from_faces(draft.positions.len(), &draft.faces) else { return draft };
+    let known = draft.connectivity.take();
+    let connectivity = known.map_or_else(|| TriConnectivity::from_faces(draft.positions.len(), &draft.faces), Ok);
+    let Ok(connectivity) = connectivity else { return draft };
     let mut surface = Surface::new(&connectivity, &draft.faces, &unit);
     let found = flat.clone();
     for _ in 0..MAX_ROUNDS {

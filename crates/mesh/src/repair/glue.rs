@@ -249,6 +249,7 @@ impl<'a> Joint<'a> {
             origin: order.iter().map(|o| Some(o.0)).collect(),
             faces: Vec::with_capacity(flipped.len()),
             input_face: Vec::with_capacity(flipped.len()),
+            connectivity: None,
         };
         let vertex_of: Vec<u32> = (0..corners.len()).map(|c| id[fans.root(c)]).collect();
         // 3. A vertex in the middle of edges that others double.

@@ -16,6 +16,7 @@ mod report;
 pub use report::{Finding, FindingKind, RepairReport};
 
 use crate::closest::segments_through;
+use crate::connectivity::TriConnectivity;
 use crate::ids::{FaceId, FaceMap, VertexId, VertexMap};
 use crate::mesh::{MeshError, TriMesh};
 use crate::soup::FaceSoup;
@@ -130,15 +131,19 @@ pub fn repair(soup: &FaceSoup, options: &RepairOptions) -> Result<Repaired, Repa
     let unit = unit_positions(&soup.positions);
     // 1. Triangles.
     let class = position_classes(&soup.positions);
-    let triangles = polygons::triangles(soup, &unit, &class, &mut report);
-    if triangles.corners.is_empty() {
-        return Err(RepairError::NothingLeft { faces: soup.faces.len() });
-    }
-    // 2, 3, 4. Joined, oriented, numbered.
-    let glued = glue::glue(&triangles, &soup.positions, &unit, &class, options.max_fin_faces, &mut report)?;
+    let glued = if let Some(clean) = clean_draft(soup, &class) {
+        clean
+    } else {
+        let triangles = polygons::triangles(soup, &unit, &class, &mut report);
+        if triangles.corners.is_empty() {
+            return Err(RepairError::NothingLeft { faces: soup.faces.len() });
+        }
+        // 2, 3, 4. Joined, oriented, numbered.
+        glue::glue(&triangles, &soup.positions, &unit, &class, options.max_fin_faces, &mut report)?
+    };
     // 5. Triangles without area.
     let cleaned = degenerate::remove(glued, options.zero_area_rel, &mut report);
-    finish(soup, cleaned, options, report)
+    finish(soup, &class, cleaned, options, report)
 }
 
 /// Faces with their vertices as origins in the soup, on the way through the repair.
@@ -150,6 +155,44 @@ struct Draft {
     faces: Vec<[u32; 3]>,
     /// Face of the soup of each face.
     input_face: Vec<u32>,
+    /// Connectivity of the faces on the vertices, where it is known.
+    connectivity: Option<TriConnectivity>,
+}
+
+/// The soup itself, where steps 1 to 4 would change nothing but drop unused vertices; a short cut for clean input.
+fn clean_draft(soup: &FaceSoup, class: &[u32]) -> Option<Draft> {
+    let mut new_id = vec![u32::MAX; soup.positions.len()];
+    for &v in soup.faces.iter().flatten() {
+        new_id[v as usize] = 0;
+    }
+    let origin: Vec<u32> = (0..new_id.len() as u32).filter(|&v| new_id[v as usize] == 0).collect();
+    for (i, &v) in origin.iter().enumerate() {
+        new_id[v as usize] = i as u32;
+    }
+    let mut faces = Vec::with_capacity(soup.faces.len());
+    for face in &soup.faces {
+        let &[a, b, c] = &face[..] else { return None };
+        let [i, j, k] = [a, b, c].map(|v| class[v as usize]);
+        if i == j || j == k || k == i {
+            return None;
+        }
+        faces.push([a, b, c].map(|v| new_id[v as usize]));
+    }
+    let connectivity = TriConnectivity::from_faces(origin.len(), &faces).ok()?;
+    // Boundaries that coincide are to be stitched.
+    let mut has_boundary = vec![false; class.len()];
+    for v in connectivity.vertices().filter(|&v| connectivity.is_boundary_vertex(v)) {
+        if std::mem::replace(&mut has_boundary[class[origin[v.index()] as usize] as usize], true) {
+            return None;
+        }
+    }
+    Some(Draft {
+        positions: origin.iter().map(|&v| soup.positions[v as usize]).collect(),
+        origin: origin.into_iter().map(Some).collect(),
+        input_face: (0..faces.len() as u32).collect(),
+        faces,
+        connectivity: Some(connectivity),
+    })
 }
 
 fn check_input(soup: &FaceSoup) -> Result<(), RepairError> {
@@ -185,17 +228,18 @@ fn unit_positions(positions: &[DVec3]) -> Vec<DVec3> {
 
 /// For every vertex the first one at exactly the same position.
 fn position_classes(positions: &[DVec3]) -> Vec<u32> {
-    // Adding zero makes -0 and 0 equal.
+    // Adding zero makes -0 and 0 equal; ties in x alone are few.
     let key = |v: u32| (positions[v as usize] + 0.0).to_array().map(f64::to_bits);
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.sort_unstable_by_key(|&v| (key(v), v));
-    let mut class = vec![0; positions.len()];
-    let mut first = 0;
-    for &v in &order {
-        if key(v) != key(first) || class.is_empty() {
-            first = v;
+    let mut order: Vec<(u64, u32)> = (0..positions.len() as u32).map(|v| (key(v)[0], v)).collect();
+    order.sort_unstable();
+    let mut class: Vec<u32> = (0..positions.len() as u32).collect();
+    for group in order.chunk_by_mut(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
+        group.sort_unstable_by_key(|&(_, v)| (key(v), v));
+        for same in group.chunk_by(|a, b| key(a.1) == key(b.1)) {
+            for &(_, v) in same {
+                class[v as usize] = same[0].1;
+            }
         }
-        class[v as usize] = first;
     }
     class
 }
@@ -203,10 +247,25 @@ fn position_classes(positions: &[DVec3]) -> Vec<u32> {
 /// Drops unused vertices, builds the mesh, looks for T-junctions.
 fn finish(
     soup: &FaceSoup,
+    class: &[u32],
     draft: Draft,
     options: &RepairOptions,
     mut report: RepairReport,
 ) -> Result<Repaired, RepairError> {
+    if draft.faces.is_empty() {
+        return Err(RepairError::NothingLeft { faces: soup.faces.len() });
+    }
+    let (mesh, origin) = match draft.connectivity {
+        Some(connectivity) => (TriMesh::from_parts(connectivity, VertexMap::from_vec(draft.positions))?, draft.origin),
+        None => compact(&draft)?,
+    };
+    let vertex_of_input = vertex_of_input(soup, class, &origin, &mut report);
+    t_junctions(&mesh, &origin, options.t_junction_rel, &mut report);
+    Ok(Repaired { mesh, vertex_of_input, input_face: FaceMap::from_vec(draft.input_face), report })
+}
+
+/// The draft without unused vertices, and the origins of those that are left.
+fn compact(draft: &Draft) -> Result<(TriMesh, Vec<Option<u32>>), MeshError> {
     let mut new_id = vec![u32::MAX; draft.positions.len()];
     for &v in draft.faces.as_flattened() {
         new_id[v as usize] = 0;
@@ -220,18 +279,16 @@ fn finish(
         }
     }
     let faces: Vec<[u32; 3]> = draft.faces.iter().map(|f| f.map(|v| new_id[v as usize])).collect();
-    if faces.is_empty() {
-        return Err(RepairError::NothingLeft { faces: soup.faces.len() });
-    }
-    let mesh = TriMesh::new(positions, &faces)?;
-    let vertex_of_input = vertex_of_input(soup, &origin, &mut report);
-    t_junctions(&mesh, &origin, options.t_junction_rel, &mut report);
-    Ok(Repaired { mesh, vertex_of_input, input_face: FaceMap::from_vec(draft.input_face), report })
+    Ok((TriMesh::new(positions, &faces)?, origin))
 }
 
-fn vertex_of_input(soup: &FaceSoup, origin: &[Option<u32>], report: &mut RepairReport) -> Vec<Option<VertexId>> {
+fn vertex_of_input(
+    soup: &FaceSoup,
+    class: &[u32],
+    origin: &[Option<u32>],
+    report: &mut RepairReport,
+) -> Vec<Option<VertexId>> {
     // Copies of a position share its vertex, though a fan remembers only the first of them.
-    let class = position_classes(&soup.positions);
     let mut of_input: Vec<Option<VertexId>> = vec![None; soup.positions.len()];
     let mut of_class = of_input.clone();
     for (v, &input) in origin.iter().enumerate() {
@@ -342,6 +399,24 @@ mod tests {
             assert_eq!(repaired.mesh, mesh, "{name}");
             assert!(repaired.report.is_clean(), "{name}");
             assert_eq!(repaired.input_face.values(), (0..mesh.face_count() as u32).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn the_short_cut_changes_nothing() {
+        for (name, _) in shapes::sample_names() {
+            let mesh = shapes::sample(name).unwrap();
+            let mut soup = soup_of(&mesh);
+            soup.positions.insert(7, DVec3::ONE * 77.0);
+            soup.faces.iter_mut().flatten().for_each(|v| *v += u32::from(*v >= 7));
+            let short = run(&soup);
+            // A degenerate face sends it the long way.
+            soup.faces.push(vec![3, 3, 4]);
+            let long = run(&soup);
+            assert_eq!((&short.mesh, &short.vertex_of_input), (&long.mesh, &long.vertex_of_input), "{name}");
+            assert_eq!(short.input_face, long.input_face);
+            assert_eq!(short.report.count(FindingKind::UnusedVertex), 1);
+            assert_eq!(long.report.findings().count(), 2);
         }
     }
 
