@@ -24,7 +24,8 @@ mod vtu;
 pub use atomic::write_atomically;
 pub use error::{ContentDefect, IoError, Place};
 pub use features::{
-    FeatureFile, SharpSide, read_features, read_sharp, read_vertex_pairs, write_sharp, write_vertex_pairs,
+    FeatureFile, SAME_POINT_REL, SharpSide, read_features, read_sharp, read_vertex_pairs, write_sharp,
+    write_vertex_pairs,
 };
 pub use fields::{RawField, read_rawfield, read_rosy, write_rawfield, write_rosy};
 pub use format::Format;

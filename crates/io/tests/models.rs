@@ -1,5 +1,7 @@
 //! The field and feature files of other programs mean what our readers say they mean.
 
+#![allow(clippy::print_stderr, reason = "tables and what is skipped are said")]
+
 mod common;
 
 use common::models;

@@ -1,5 +1,6 @@
 //! Surfaces to write, and where the shared test models are.
 #![allow(dead_code, reason = "each test binary uses a part")]
+#![allow(clippy::print_stderr, reason = "what is skipped is said")]
 
 use proptest::collection::vec;
 use proptest::prelude::*;
