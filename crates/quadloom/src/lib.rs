@@ -1,1 +1,48 @@
-//! quadloom
+//! Turns any surface into quadrilaterals by mixed-integer quadrangulation.
+//!
+//! In: a file or a mesh. Out: [`RemeshResult`]: a pure-quad mesh and a [`Report`].
+//! Holds: what [`remesh()`] returns is verified: manifold, oriented, the topology of the (repaired) input, no quad
+//! inverted, none facing against the input. The stages are public, one function per arrow, in [`stages`].
+//! Source: [Bommes2012].
+//!
+//! ```
+//! use quadloom::{Progress, RemeshOptions, Target, remesh_mesh, sample};
+//!
+//! let torus = sample("torus").expect("a generated shape");
+//! let options = RemeshOptions { target: Target::Quads(400), ..RemeshOptions::default() };
+//! let result = remesh_mesh(&torus, &options, &Progress::none())?;
+//! assert_eq!(result.report.output.summary.chi, 0);
+//! # Ok::<(), quadloom::RemeshError>(())
+//! ```
+#![warn(missing_docs)]
+
+pub mod components;
+pub mod count;
+pub mod error;
+pub mod features;
+pub mod field;
+pub mod guides;
+pub mod input;
+pub mod inspect;
+pub mod measure;
+pub mod memory;
+pub mod options;
+pub mod output;
+pub mod part;
+pub mod remesh;
+pub mod report;
+pub mod scene;
+pub mod split;
+pub mod stages;
+pub mod verify;
+pub mod view;
+
+pub use error::{FailureKind, RemeshError, Warning, WarningCode};
+pub use input::{Source, load};
+pub use options::{Elements, Fallback, GivenField, Method, RemeshOptions, Target};
+pub use quadloom_io as io;
+pub use quadloom_mesh as mesh;
+pub use quadloom_mesh::shapes::{sample, sample_names};
+pub use quadloom_mesh::{FaceSoup, Progress, QuadMesh, TriMesh};
+pub use remesh::{RemeshResult, remesh, remesh_mesh};
+pub use report::Report;

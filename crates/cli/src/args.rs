@@ -1,0 +1,257 @@
+//! What can be typed.
+
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Turns any surface into quadrilaterals.
+#[derive(Parser)]
+#[command(
+    name = "quadloom",
+    version,
+    about = "Turns any surface into quadrilaterals by mixed-integer quadrangulation",
+    after_help = "An input is a file (OBJ, PLY, STL, OFF) or sample:NAME, a generated shape.\n\n\
+        Exit codes: 0 done; 2 wrong usage; 3 a file cannot be read or written, or is empty; 4 the input is rejected;\n\
+        5 no valid result; 6 a valid result that misses a request (it is kept); 7 time limit; 130 cancelled."
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+/// One verb per task.
+#[derive(Subcommand)]
+pub enum Verb {
+    /// Make a pure-quad mesh of a surface
+    #[command(after_help = "Example: quadloom remesh sample:bracket --quads 3000 -o bracket.obj --view bracket.html")]
+    Remesh(Box<RemeshArgs>),
+    /// Compute a cross field of a surface
+    #[command(after_help = "Example: quadloom field sample:torus -o torus.rosy --write-singularities torus.sing")]
+    Field(FieldArgs),
+    /// Say whether a file is a surface, or a valid quad mesh, and what cures its defects
+    #[command(after_help = "Example: quadloom check bracket.obj --reference sample:bracket")]
+    Check(CheckArgs),
+    /// Print counts, topology and quality of a mesh
+    #[command(after_help = "Example: quadloom stats bracket.obj --reference sample:bracket --json")]
+    Stats(StatsArgs),
+    /// Write a mesh in another format, as it is
+    #[command(after_help = "Example: quadloom convert bracket.obj bracket.vtu")]
+    Convert(ConvertArgs),
+    /// Draw a mesh in one self-contained HTML page
+    #[command(after_help = "Example: quadloom view bracket.obj -o bracket.html --reference sample:bracket")]
+    View(ViewArgs),
+    /// List the generated shapes
+    #[command(after_help = "Example: quadloom samples")]
+    Samples,
+}
+
+/// Arguments of `remesh`.
+#[derive(Args)]
+#[command(group(ArgGroup::new("size").args(["quads", "edge_length", "scale"])))]
+pub struct RemeshArgs {
+    /// The surface: a file or sample:NAME
+    pub input: String,
+    /// Where the quads go: .obj, .ply, .off, .vtu or .glb
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+
+    /// Number of quads [default: a quarter of the triangles, 500 to 50000]
+    #[arg(long, value_name = "N", help_heading = "Size")]
+    pub quads: Option<usize>,
+    /// Mean edge length, in units of the file
+    #[arg(long, value_name = "L", help_heading = "Size")]
+    pub edge_length: Option<f64>,
+    /// Mean edge length, in mean edge lengths of the input
+    #[arg(long, value_name = "S", help_heading = "Size")]
+    pub scale: Option<f64>,
+    /// How far the count may be off, percent
+    #[arg(long, value_name = "PERCENT", default_value_t = 10.0, help_heading = "Size")]
+    pub tolerance: f64,
+    /// How strongly sizes follow curvature, 0 to 1
+    #[arg(long, value_name = "A", default_value_t = 0.0, help_heading = "Size")]
+    pub adaptivity: f64,
+    /// How strongly quads stretch where the surface is straight, 0 to 1
+    #[arg(long, value_name = "A", default_value_t = 0.0, help_heading = "Size")]
+    pub anisotropy: f64,
+    /// Vertex attribute of the input that multiplies the density of quads
+    #[arg(long, value_name = "NAME", help_heading = "Size")]
+    pub density: Option<String>,
+
+    /// Edges that bend by more are kept, degrees, or off
+    #[arg(long, value_name = "DEG", default_value = "35", value_parser = parse_sharp_angle, help_heading = "Features")]
+    pub sharp_angle: SharpAngle,
+    /// Edges to keep besides: .sharp, .obj with l lines, or pairs of vertices
+    #[arg(long, value_name = "FILE", help_heading = "Features")]
+    pub features: Option<PathBuf>,
+    /// Whether boundary curves are kept
+    #[arg(long, value_name = "BOOL", default_value_t = true, action = clap::ArgAction::Set, num_args = 0..=1,
+          default_missing_value = "true", help_heading = "Features")]
+    pub keep_boundary: bool,
+    /// Curves to follow: .obj with l lines, or JSON
+    #[arg(long, value_name = "FILE", help_heading = "Features")]
+    pub guides: Option<PathBuf>,
+
+    /// A cross field to follow: .rosy or .rawfield, on the faces of the input
+    #[arg(long, value_name = "FILE", help_heading = "Directions")]
+    pub field: Option<PathBuf>,
+    /// Singular vertices to use: lines of vertex number and index in quarters (valence 3 is 1)
+    #[arg(long, value_name = "FILE", help_heading = "Directions")]
+    pub singularities: Option<PathBuf>,
+    /// How integers are found
+    #[arg(long, value_enum, default_value_t = MethodArg::Greedy, help_heading = "Directions")]
+    pub method: MethodArg,
+    /// What is done where no map without folds is found
+    #[arg(long, value_enum, default_value_t = FallbackArg::Split, help_heading = "Directions")]
+    pub fallback: FallbackArg,
+
+    /// Write the cross field that was used: .rosy or .rawfield; its surface goes beside it as .obj
+    #[arg(long, value_name = "FILE", help_heading = "Also write")]
+    pub write_field: Option<PathBuf>,
+    /// Write the integer-grid map as .obj with texture coordinates
+    #[arg(long, value_name = "FILE", help_heading = "Also write")]
+    pub write_map: Option<PathBuf>,
+    /// Write everything measured as JSON
+    #[arg(long, value_name = "FILE.json", help_heading = "Also write")]
+    pub report: Option<PathBuf>,
+    /// Draw input, quads, field and map in one self-contained page
+    #[arg(long, value_name = "FILE.html", help_heading = "Also write")]
+    pub view: Option<PathBuf>,
+
+    /// How the run behaves.
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// Arguments of every verb that computes.
+#[derive(Args)]
+pub struct RunArgs {
+    /// End after this many seconds
+    #[arg(long, value_name = "SECONDS", help_heading = "Run")]
+    pub time_limit: Option<f64>,
+    /// Threads to use [default: all]; the result does not depend on it
+    #[arg(long, value_name = "N", help_heading = "Run")]
+    pub threads: Option<usize>,
+    /// Seed of everything that samples
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Run")]
+    pub seed: u64,
+    /// Print errors only
+    #[arg(short, long, help_heading = "Run")]
+    pub quiet: bool,
+    /// How progress is shown, on stderr [default: bar on a terminal, else none]
+    #[arg(long, value_enum, help_heading = "Run")]
+    pub progress: Option<ProgressArg>,
+}
+
+/// Arguments of `field`.
+#[derive(Args)]
+pub struct FieldArgs {
+    /// The surface: a file or sample:NAME
+    pub input: String,
+    /// Where the field goes: .rosy or .rawfield
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Write the singular vertices: lines of vertex number and index in quarters
+    #[arg(long, value_name = "FILE")]
+    pub write_singularities: Option<PathBuf>,
+    /// Edges that bend by more are followed, degrees, or off
+    #[arg(long, value_name = "DEG", default_value = "35", value_parser = parse_sharp_angle)]
+    pub sharp_angle: SharpAngle,
+    /// Edges to follow besides: .sharp, .obj with l lines, or pairs of vertices
+    #[arg(long, value_name = "FILE")]
+    pub features: Option<PathBuf>,
+    /// Singular vertices to use: lines of vertex number and index in quarters (valence 3 is 1)
+    #[arg(long, value_name = "FILE")]
+    pub singularities: Option<PathBuf>,
+    /// How the run behaves.
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// Arguments of `check`.
+#[derive(Args)]
+pub struct CheckArgs {
+    /// The mesh: a file or sample:NAME
+    pub input: String,
+    /// The surface whose topology a quad mesh must have
+    #[arg(long, value_name = "IN")]
+    pub reference: Option<String>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `stats`.
+#[derive(Args)]
+pub struct StatsArgs {
+    /// The mesh: a file or sample:NAME
+    pub input: String,
+    /// The surface that distances are measured to
+    #[arg(long, value_name = "IN")]
+    pub reference: Option<String>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `convert`.
+#[derive(Args)]
+pub struct ConvertArgs {
+    /// The mesh: a file or sample:NAME
+    pub input: String,
+    /// Where it goes: .obj, .ply, .off, .vtu or .glb
+    pub output: PathBuf,
+}
+
+/// Arguments of `view`.
+#[derive(Args)]
+pub struct ViewArgs {
+    /// The mesh: a file or sample:NAME
+    pub input: String,
+    /// Where the page goes
+    #[arg(short, long, value_name = "FILE.html")]
+    pub output: PathBuf,
+    /// The surface that is shown with it
+    #[arg(long, value_name = "IN")]
+    pub reference: Option<String>,
+}
+
+/// A sharp angle in degrees, or none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SharpAngle(pub Option<f64>);
+
+fn parse_sharp_angle(text: &str) -> Result<SharpAngle, String> {
+    if text == "off" {
+        return Ok(SharpAngle(None));
+    }
+    let degrees: f64 = text.parse().map_err(|_| "a number of degrees, or off".to_string())?;
+    Ok(SharpAngle(Some(degrees)))
+}
+
+/// How progress is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProgressArg {
+    /// A bar
+    Bar,
+    /// One JSON object per line
+    Json,
+    /// Nothing
+    None,
+}
+
+/// How integers are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MethodArg {
+    /// Round all at once
+    Direct,
+    /// Round the most certain first
+    Greedy,
+}
+
+/// What is done where no map without folds is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FallbackArg {
+    /// Split triangles into quads, with a warning and exit code 6
+    Split,
+    /// End without a result
+    Off,
+}

@@ -1,0 +1,137 @@
+//! `quadloom remesh`
+
+use super::{check_output, is_any_output, is_field_output, is_surface_output, read, use_threads, write, write_text};
+use crate::args::{FallbackArg, MethodArg, RemeshArgs};
+use crate::console::Console;
+use crate::{exit, watchdog};
+use quadloom::io::{read_features, read_guides, read_singularities};
+use quadloom::view::render_html;
+use quadloom::{
+    FaceSoup, Fallback, GivenField, Method, RemeshError, RemeshOptions, RemeshResult, Target, output, remesh, scene,
+};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Makes quads of a surface and writes what was asked for, all at the end.
+pub fn run(args: &RemeshArgs) -> Result<ExitCode, RemeshError> {
+    use_threads(args.run.threads);
+    let progress = watchdog::start(args.run.time_limit);
+    let (console, progress) = Console::new(&args.run, progress);
+    check_outputs(args)?;
+    progress.report("read", 0.0);
+    let soup = read(&args.input)?;
+    let options = options(args, &soup)?;
+    let result = remesh(&soup, &options, &progress)?;
+    if options.target == Target::Auto {
+        console.note(&format!(
+            "note: aimed at {} quads, a quarter of the triangles; --quads N asks for another number",
+            result.report.count.asked
+        ));
+    }
+    console.warnings(&result.report.warnings);
+    // From here on the run is not interrupted: every file is written whole.
+    let _writing = watchdog::while_writing();
+    for warning in write_all(args, &result)? {
+        console.note(&warning);
+    }
+    console.note(&summary(&result, &args.output));
+    let missed = result.report.warnings.iter().any(|w| w.misses_request());
+    Ok(ExitCode::from(if missed { exit::MISSED } else { exit::DONE }))
+}
+
+fn check_outputs(args: &RemeshArgs) -> Result<(), RemeshError> {
+    check_output(&args.output, is_surface_output)?;
+    let others: [(&Option<_>, fn(&Path) -> bool); 4] = [
+        (&args.write_field, is_field_output),
+        (&args.write_map, is_surface_output),
+        (&args.report, is_any_output),
+        (&args.view, is_any_output),
+    ];
+    others
+        .into_iter()
+        .filter_map(|(path, known)| Some((path.as_ref()?, known)))
+        .try_for_each(|(p, k)| check_output(p, k))
+}
+
+fn options(args: &RemeshArgs, soup: &FaceSoup) -> Result<RemeshOptions, RemeshError> {
+    let features = match &args.features {
+        Some(path) => read_features(path)?.vertex_pairs(soup)?,
+        None => Vec::new(),
+    };
+    let guides = match &args.guides {
+        Some(path) => read_guides(path)?.into_iter().map(|g| g.points).collect(),
+        None => Vec::new(),
+    };
+    let singularities = match &args.singularities {
+        Some(path) => read_singularities(path)?.iter().map(|s| (s.vertex, s.quarters)).collect(),
+        None => Vec::new(),
+    };
+    let field = args.field.as_deref().map(quadloom::input::load_field).transpose()?;
+    Ok(RemeshOptions {
+        target: target(args),
+        tolerance: args.tolerance / 100.0,
+        sharp_angle: args.sharp_angle.0,
+        features,
+        keep_boundary: args.keep_boundary,
+        adaptivity: args.adaptivity,
+        anisotropy: args.anisotropy,
+        density: args.density.clone(),
+        field: field.map(|directions| GivenField { directions }),
+        singularities,
+        guides,
+        method: match args.method {
+            MethodArg::Direct => Method::Direct,
+            MethodArg::Greedy => Method::Greedy,
+        },
+        fallback: match args.fallback {
+            FallbackArg::Split => Fallback::Split,
+            FallbackArg::Off => Fallback::Off,
+        },
+        seed: args.run.seed,
+    })
+}
+
+fn target(args: &RemeshArgs) -> Target {
+    match (args.quads, args.edge_length, args.scale) {
+        (Some(n), ..) => Target::Quads(n),
+        (_, Some(length), _) => Target::EdgeLength(length),
+        (.., Some(scale)) => Target::Scale(scale),
+        _ => Target::Auto,
+    }
+}
+
+fn write_all(args: &RemeshArgs, result: &RemeshResult) -> Result<Vec<String>, RemeshError> {
+    let mut warnings = write(&args.output, &output::quad_surface(result))?;
+    if let Some(path) = &args.write_field {
+        output::write_field(path, result)?;
+    }
+    if let Some(path) = &args.write_map {
+        warnings.extend(write(path, &output::map_surface(result))?);
+    }
+    if let Some(path) = &args.view {
+        write_text(path, &render_html(&scene::of_result(result, &title(args))))?;
+    }
+    if let Some(path) = &args.report {
+        write_text(path, &format!("{:#}\n", serde_json::json!(result.report)))?;
+    }
+    Ok(warnings)
+}
+
+fn title(args: &RemeshArgs) -> String {
+    let name =
+        Path::new(&args.input).file_name().map_or_else(|| args.input.clone(), |n| n.to_string_lossy().into_owned());
+    format!("{name} in quads")
+}
+
+fn summary(result: &RemeshResult, path: &Path) -> String {
+    let report = &result.report;
+    let seconds: f64 = report.seconds.iter().map(|(_, s)| s).sum();
+    format!(
+        "{}: {} quads, {} irregular vertices, scaled Jacobian {:.3} (worst {:.3}), {seconds:.2} s",
+        path.display(),
+        report.count.reached,
+        report.irregular.interior,
+        report.quality.scaled_jacobian_mean,
+        report.quality.scaled_jacobian_min,
+    )
+}

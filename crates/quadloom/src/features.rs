@@ -1,0 +1,88 @@
+//! Which curves of a component are kept: boundaries, sharp edges, named edges, drawn curves.
+//!
+//! In: a component, what the user names, the size of the quads. Out: [`FeatureGraph`] and what was left out.
+//! Holds: every kept edge is on one chain. Not: that named edges exist; those that do not are counted.
+//! Source: [Bommes2012] §8.1 (sharp edges), §8.4 (alignment).
+
+use crate::guides::trace_guides;
+use quadloom_mesh::features::FeatureOptions;
+use quadloom_mesh::metric::dihedral_angle;
+use quadloom_mesh::{DVec3, EdgeMap, FeatureGraph, FeatureKind, TriMesh, VertexId};
+
+/// Loose sharp chains shorter than this many target edges are dropped: noise and coarse tessellation make hundreds.
+const LOOSE_CHAIN_EDGES: f64 = 2.0;
+
+/// What is to be kept on one component.
+#[derive(Clone, Debug, Default)]
+pub struct FeatureRequest {
+    /// Dihedral angle from which an edge is sharp, degrees; `None`: none is.
+    pub sharp_angle: Option<f64>,
+    /// Ends of edges that are named.
+    pub edges: Vec<[VertexId; 2]>,
+    /// Curves near the surface.
+    pub guides: Vec<Vec<DVec3>>,
+}
+
+/// The features of one component.
+#[derive(Clone, Debug)]
+pub struct Features {
+    /// The chains.
+    pub graph: FeatureGraph,
+    /// Sharp edges in loose chains that were dropped.
+    pub dropped_edges: usize,
+    /// Named edges that are not edges of the mesh.
+    pub missing_edges: usize,
+}
+
+/// Finds the features of a component.
+///
+/// # Input      size: target edge length of the quads, file units
+/// # Cost       linear, and a shortest path per piece of a drawn curve
+/// # Guarantees boundaries are always among the features; named edges are never dropped
+pub fn find_features(mesh: &TriMesh, request: &FeatureRequest, size: f64) -> Features {
+    // 1. Boundaries and sharp edges.
+    let limit = request.sharp_angle.map_or(f64::INFINITY, f64::to_radians);
+    let mut kind = EdgeMap::from_fn(mesh.edge_count(), |e| {
+        if mesh.is_boundary_edge(e) {
+            return Some(FeatureKind::Boundary);
+        }
+        (dihedral_angle(mesh, mesh.half_edge(e)) > limit).then_some(FeatureKind::Sharp)
+    });
+    // 2. Loose chains go before named edges come, so that no named edge is dropped with them.
+    let options = FeatureOptions { min_loose_length: LOOSE_CHAIN_EDGES * size, ..FeatureOptions::default() };
+    let (mut graph, dropped_edges) = FeatureGraph::from_kinds(mesh, kind.clone(), &options);
+    if request.edges.is_empty() && request.guides.is_empty() {
+        return Features { graph, dropped_edges, missing_edges: 0 };
+    }
+    for (e, chain) in graph.chain_of.iter() {
+        if chain.is_none() {
+            kind[e] = None;
+        }
+    }
+    // 3. Named edges and drawn curves.
+    let mut missing_edges = 0;
+    for &[a, b] in &request.edges {
+        match mesh.find_edge(a, b) {
+            Some(e) => kind[e] = kind[e].or(Some(FeatureKind::Sharp)),
+            None => missing_edges += 1,
+        }
+    }
+    for e in trace_guides(mesh, &request.guides) {
+        kind[e] = kind[e].or(Some(FeatureKind::Guide));
+    }
+    graph = FeatureGraph::from_kinds(mesh, kind, &FeatureOptions::default()).0;
+    Features { graph, dropped_edges, missing_edges }
+}
+
+/// The same chains, ids included, with those of the boundary no longer binding.
+pub fn without_boundary(mesh: &TriMesh, features: &FeatureGraph) -> FeatureGraph {
+    let mut free = features.clone();
+    for e in mesh.edges().filter(|&e| mesh.is_boundary_edge(e)) {
+        free.chain_of[e] = None;
+    }
+    let on = free.feature_vertices(mesh);
+    for v in mesh.vertices() {
+        free.is_corner[v] &= on[v];
+    }
+    free
+}

@@ -1,0 +1,116 @@
+//! Drawn curves become runs of mesh edges.
+//!
+//! In: a mesh and polylines near it. Out: edges. Holds: consecutive points of a curve are joined by a path of edges
+//! if their component joins them. Not: closeness beyond the resolution of the mesh.
+//! Source: shortest paths [Dijkstra1959] with edges weighted by their distance from the curve.
+
+use quadloom_mesh::closest::closest_parameter;
+use quadloom_mesh::features::other_end;
+use quadloom_mesh::{DVec3, EdgeId, TriMesh, VertexId, VertexMap};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// How much longer an edge counts per its own length of distance from the curve.
+///
+/// 0 gives shortest paths that leave the curve; far more than 10 gives zigzags along it.
+const DISTANCE_WEIGHT: f64 = 8.0;
+
+/// Edges along the curves, ascending, without repetition.
+pub fn trace_guides(mesh: &TriMesh, guides: &[Vec<DVec3>]) -> Vec<EdgeId> {
+    let mut edges = Vec::new();
+    for guide in guides {
+        let stops: Vec<Option<VertexId>> = guide.iter().map(|&p| nearest_vertex(mesh, p)).collect();
+        for (pair, ends) in stops.windows(2).zip(guide.windows(2)) {
+            if let [Some(a), Some(b)] = *pair {
+                edges.extend(path(mesh, a, b, [ends[0], ends[1]]));
+            }
+        }
+    }
+    edges.sort_unstable();
+    edges.dedup();
+    edges
+}
+
+fn nearest_vertex(mesh: &TriMesh, p: DVec3) -> Option<VertexId> {
+    let distance = |v: &VertexId| mesh.position(*v).distance_squared(p);
+    mesh.vertices().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
+/// The cheapest path from `a` to `b`, edges far from the segment being dearer; empty if there is none.
+fn path(mesh: &TriMesh, a: VertexId, b: VertexId, [p, q]: [DVec3; 2]) -> Vec<EdgeId> {
+    let off = |v: VertexId| {
+        let x = mesh.position(v);
+        x.distance(p.lerp(q, closest_parameter(p, q, x)))
+    };
+    let mut cost = VertexMap::filled(mesh.vertex_count(), f64::INFINITY);
+    let mut from: VertexMap<Option<EdgeId>> = VertexMap::filled(mesh.vertex_count(), None);
+    let mut queue = BinaryHeap::new();
+    cost[a] = 0.0;
+    // Non-negative floats are ordered as their bits.
+    queue.push(Reverse((0u64, a)));
+    while let Some(Reverse((bits, v))) = queue.pop() {
+        if v == b {
+            break;
+        }
+        let here = f64::from_bits(bits);
+        if here > cost[v] {
+            continue;
+        }
+        for e in mesh.vertex_edges(v) {
+            let w = other_end(mesh, e, v);
+            let length = mesh.position(v).distance(mesh.position(w));
+            let step = length + DISTANCE_WEIGHT * 0.5 * (off(v) + off(w));
+            if here + step < cost[w] {
+                cost[w] = here + step;
+                from[w] = Some(e);
+                queue.push(Reverse(((here + step).to_bits(), w)));
+            }
+        }
+    }
+    let mut edges = Vec::new();
+    let mut v = b;
+    while let Some(e) = from[v] {
+        edges.push(e);
+        v = other_end(mesh, e, v);
+    }
+    edges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(n: u32) -> TriMesh {
+        let positions =
+            (0..=n).flat_map(|j| (0..=n).map(move |i| DVec3::new(f64::from(i), f64::from(j), 0.0))).collect();
+        let at = |i: u32, j: u32| j * (n + 1) + i;
+        let faces: Vec<[u32; 3]> = (0..n)
+            .flat_map(|j| {
+                (0..n).flat_map(move |i| {
+                    [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
+                })
+            })
+            .collect();
+        TriMesh::new(positions, &faces).expect("a grid")
+    }
+
+    #[test]
+    fn a_straight_curve_becomes_the_row_of_edges_under_it() {
+        let mesh = grid(6);
+        let edges = trace_guides(&mesh, &[vec![DVec3::new(-0.2, 3.1, 0.4), DVec3::new(6.1, 2.9, 0.0)]]);
+        assert_eq!(edges.len(), 6);
+        for e in edges {
+            assert!(mesh.ends(e).iter().all(|&v| mesh.position(v).y == 3.0));
+        }
+    }
+
+    #[test]
+    fn an_angled_curve_passes_its_points() {
+        let mesh = grid(6);
+        let corner = [DVec3::new(1.0, 1.0, 0.0), DVec3::new(5.0, 1.0, 0.0), DVec3::new(5.0, 5.0, 0.0)];
+        let edges = trace_guides(&mesh, &[corner.to_vec()]);
+        let length: f64 =
+            edges.iter().map(|&e| mesh.ends(e).map(|v| mesh.position(v))).map(|[a, b]| a.distance(b)).sum();
+        assert_eq!(length, 8.0);
+    }
+}

@@ -1,0 +1,159 @@
+//! What a user can ask of the pipeline.
+//!
+//! In: nothing. Out: [`RemeshOptions`] and its parts, each with a default, a unit and a reason.
+//! Holds: every default is good for any shape; [`RemeshOptions::check`] names what cannot be meant.
+
+use crate::error::RemeshError;
+use quadloom_mesh::{DVec3, FaceId, VertexId};
+use serde::Serialize;
+
+/// How large the quads are to be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Target {
+    /// About a quarter of the triangles, between 500 and 50,000: half the input's resolution along each direction.
+    #[default]
+    Auto,
+    /// This many quads, reached within [`RemeshOptions::tolerance`].
+    Quads(usize),
+    /// This mean edge length, file units.
+    EdgeLength(f64),
+    /// This mean edge length, in mean edge lengths of the input.
+    Scale(f64),
+}
+
+/// Fewest quads that [`Target::Auto`] asks for: below, shapes with many handles have no room for their singularities.
+pub const AUTO_QUADS_MIN: usize = 500;
+/// Most quads that [`Target::Auto`] asks for: above, a run takes minutes, which should be asked for.
+pub const AUTO_QUADS_MAX: usize = 50_000;
+
+/// How the integers of the map are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// Round all at once: quickest, and more folds.
+    Direct,
+    /// Round the most certain ones first and solve again ([Bommes2012] §5.2).
+    #[default]
+    Greedy,
+}
+
+/// What is done with a component on which no integer-grid map without folds is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fallback {
+    /// Its triangles are split into three quads each, which is said in a warning: valid, with many irregular vertices.
+    #[default]
+    Split,
+    /// The run ends without a result.
+    Off,
+}
+
+/// A cross per face of the input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GivenField {
+    /// One direction of each cross; one vector per face of the input file, of any length.
+    pub directions: Vec<DVec3>,
+}
+
+/// Everything that can be asked of [`crate::remesh`].
+#[derive(Clone, Debug)]
+pub struct RemeshOptions {
+    /// Size of the quads.
+    pub target: Target,
+    /// Largest relative deviation from the count asked for. Default 0.1. Smaller: up to three more map solves.
+    pub tolerance: f64,
+    /// Dihedral angle from which an edge is kept sharp, degrees; `None`: no edge is. Default 35, the custom of the
+    /// field: smaller picks up coarse tessellation, larger loses chamfers.
+    pub sharp_angle: Option<f64>,
+    /// Edges to keep besides, as pairs of vertices of the input file.
+    pub features: Vec<[u32; 2]>,
+    /// Whether boundary curves are kept as they are. Default true; false lets the quads end near the boundary.
+    pub keep_boundary: bool,
+    /// How strongly sizes follow curvature: 0 uniform, 1 fully. Default 0.
+    pub adaptivity: f64,
+    /// How strongly quads are stretched along directions of low curvature: 0 squares, 1 fully. Default 0.
+    pub anisotropy: f64,
+    /// Name of a vertex attribute of the input whose values multiply the density of quads; `None`: none.
+    pub density: Option<String>,
+    /// A cross field to follow, on the faces of the input.
+    pub field: Option<GivenField>,
+    /// Prescribed singular vertices: numbers of the input file with their index in quarters; valence 3 is +1.
+    pub singularities: Vec<(u32, i32)>,
+    /// Curves to follow, as points near the surface.
+    pub guides: Vec<Vec<DVec3>>,
+    /// How integers are found.
+    pub method: Method,
+    /// What is done where no valid map is found.
+    pub fallback: Fallback,
+    /// Seed of everything that samples. Default 0. The result depends on it and on nothing random.
+    pub seed: u64,
+}
+
+impl Default for RemeshOptions {
+    fn default() -> Self {
+        Self {
+            target: Target::Auto,
+            tolerance: 0.1,
+            sharp_angle: Some(35.0),
+            features: Vec::new(),
+            keep_boundary: true,
+            adaptivity: 0.0,
+            anisotropy: 0.0,
+            density: None,
+            field: None,
+            singularities: Vec::new(),
+            guides: Vec::new(),
+            method: Method::Greedy,
+            fallback: Fallback::Split,
+            seed: 0,
+        }
+    }
+}
+
+impl RemeshOptions {
+    /// Names the first option whose value cannot be meant.
+    pub fn check(&self) -> Result<(), RemeshError> {
+        let positive = |name, value: f64| (value > 0.0 && value.is_finite()).then_some(()).ok_or((name, value));
+        let part = |name, value: f64| (0.0..=1.0).contains(&value).then_some(()).ok_or((name, value));
+        let checked = match self.target {
+            Target::Auto => Ok(()),
+            Target::Quads(n) => positive("quads", n as f64),
+            Target::EdgeLength(l) => positive("edge-length", l),
+            Target::Scale(s) => positive("scale", s),
+        };
+        checked
+            .and(positive("tolerance", self.tolerance))
+            .and(part("adaptivity", self.adaptivity))
+            .and(part("anisotropy", self.anisotropy))
+            .and(self.sharp_angle.map_or(Ok(()), |a| (a > 0.0 && a <= 180.0).then_some(()).ok_or(("sharp-angle", a))))
+            .map_err(|(option, value)| RemeshError::Option { option, value })
+    }
+}
+
+/// Ids that a message is about, for a viewer to highlight.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Elements {
+    /// Nothing in particular.
+    #[default]
+    None,
+    /// Vertices of the input file.
+    Vertices(Vec<u32>),
+    /// Faces of the input file.
+    Faces(Vec<u32>),
+    /// Components of the repaired input.
+    Components(Vec<u32>),
+}
+
+impl Elements {
+    /// Vertices by id.
+    pub fn vertices(ids: impl IntoIterator<Item = VertexId>) -> Self {
+        Self::Vertices(ids.into_iter().map(|v| v.0).collect())
+    }
+
+    /// Faces by id.
+    pub fn faces(ids: impl IntoIterator<Item = FaceId>) -> Self {
+        Self::Faces(ids.into_iter().map(|f| f.0).collect())
+    }
+}

@@ -1,0 +1,221 @@
+//! One connected surface becomes quads: the stages in order, and the ladder of attempts.
+//!
+//! In: a connected triangle mesh and what is asked of it. Out: [`Part`], verified.
+//! Holds: quads that are returned have passed [`verify`]. Not: the count, which integers may miss.
+
+use crate::error::{RemeshError, Warning, WarningCode};
+use crate::features::{FeatureRequest, Features, find_features};
+use crate::options::{Fallback, RemeshOptions};
+use crate::report::Seconds;
+use crate::split::{QUADS_PER_TRIANGLE, split_triangles};
+use crate::stages::{
+    SizedMap, WorkMesh, count_goal, cross_field, extract_quads, integer_grid_map, no_result, work_edge_length,
+    work_mesh, work_mesh_with_field,
+};
+use crate::verify::verify;
+use quadloom_extract::Extraction;
+use quadloom_field::CrossField;
+use quadloom_mesh::closest::ClosestPoint;
+use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, QuadMesh, TriMesh, VertexId};
+
+/// What is asked of one connected surface.
+#[derive(Clone, Debug)]
+pub struct PartRequest<'a> {
+    /// The surface.
+    pub mesh: &'a TriMesh,
+    /// Number of quads.
+    pub quads: usize,
+    /// Curves to keep.
+    pub features: FeatureRequest,
+    /// A direction per face to follow.
+    pub field: Option<FaceMap<DVec3>>,
+    /// Singular vertices to use, with their index in quarters.
+    pub singularities: Vec<(VertexId, i32)>,
+}
+
+/// The quads of one connected surface and how they came about.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// The quads.
+    pub quads: QuadMesh,
+    /// Curves of the surface.
+    pub features: Features,
+    /// What the quads were extracted from; `None` where triangles were split.
+    pub solution: Option<Solution>,
+    /// The attempt that gave the result, from 0.
+    pub attempt: usize,
+    /// Map solves, over all attempts.
+    pub solves: usize,
+    /// What should be known.
+    pub warnings: Vec<Warning>,
+    /// Time per stage.
+    pub seconds: Seconds,
+}
+
+/// Work mesh, field, map and extraction of one attempt.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// The mesh that the rest lives on.
+    pub work: WorkMesh,
+    /// The cross field.
+    pub field: CrossField,
+    /// Its energy, radians squared.
+    pub energy: f64,
+    /// The map.
+    pub map: SizedMap,
+    /// The quads before finishing.
+    pub extraction: Extraction,
+}
+
+/// Sizes of one attempt, relative to the first one.
+struct Attempt {
+    work_edge: f64,
+    quads: f64,
+}
+
+/// The ladder: other work meshes move the singularities and the integers, slightly other counts stay within the
+/// usual tolerance; only the last rung leaves it.
+const LADDER: [Attempt; 4] = [
+    Attempt { work_edge: 1.0, quads: 1.0 },
+    Attempt { work_edge: 0.8, quads: 1.04 },
+    Attempt { work_edge: 0.9, quads: 0.95 },
+    Attempt { work_edge: 0.65, quads: 1.15 },
+];
+
+/// Makes quads of one connected surface.
+///
+/// # Errors     no attempt passed and there is no fallback; given data that do not fit; cancellation
+pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Progress) -> Result<Part, RemeshError> {
+    let mut seconds = Seconds::default();
+    let mut warnings = Vec::new();
+    let area = request.mesh.area();
+    let edge = (area / request.quads as f64).sqrt();
+    let features = seconds.time("features", || find_features(request.mesh, &request.features, edge));
+    let closest = seconds.time("verify", || ClosestPoint::new(request.mesh));
+    let mut solves = 0;
+    let mut last = None;
+    for (attempt, rung) in LADDER.iter().enumerate() {
+        // With a given field the work mesh is always the input: only the count can be varied.
+        let quads = rung.quads * request.quads as f64;
+        let made = solve(request, &features.graph, rung, quads, options, progress, &mut seconds);
+        let checked = made.and_then(|solution| {
+            solves += solution.map.solves;
+            let quads = seconds.time("finish", || finish(request.mesh, &features.graph, &solution, progress))?;
+            progress.report("verify", 0.0);
+            let verification = seconds.time("verify", || verify(&quads, request.mesh, &closest));
+            match verification.passed() {
+                true => Ok((quads, solution)),
+                false => Err(no_result("verification", verification.complaint())),
+            }
+        });
+        match checked {
+            Ok((quads, solution)) => {
+                warnings.extend(fold_warning(&solution));
+                let solution = Some(solution);
+                return Ok(Part { quads, features, solution, attempt, solves, warnings, seconds });
+            }
+            Err(e @ (RemeshError::Cancelled(_) | RemeshError::Mismatch { .. })) => return Err(e),
+            Err(e) => {
+                warnings.push(Warning::new(WarningCode::Retried, format!("attempt {} failed: {e}", attempt + 1)));
+                last = Some(e);
+            }
+        }
+    }
+    let failure = last.unwrap_or_else(|| no_result("remesh", "no attempt was made"));
+    match options.fallback {
+        Fallback::Off => Err(failure),
+        Fallback::Split => {
+            let quads = seconds.time("split", || split(request, &features.graph, options, progress))?;
+            let verification = seconds.time("verify", || verify(&quads, request.mesh, &closest));
+            if !verification.passed() {
+                return Err(no_result("split", format!("{}; before that, {failure}", verification.complaint())));
+            }
+            let message =
+                format!("no map without folds was found ({failure}); triangles were split into quads instead");
+            warnings.push(Warning::new(WarningCode::TrianglesSplit, message));
+            Ok(Part { quads, features, solution: None, attempt: LADDER.len(), solves, warnings, seconds })
+        }
+    }
+}
+
+/// Work mesh, field, map, extraction.
+fn solve(
+    request: &PartRequest,
+    features: &FeatureGraph,
+    rung: &Attempt,
+    quads: f64,
+    options: &RemeshOptions,
+    progress: &Progress,
+    seconds: &mut Seconds,
+) -> Result<Solution, RemeshError> {
+    let area = request.mesh.area();
+    let edge = (area / quads).sqrt();
+    let (work, field, energy) = match &request.field {
+        Some(direction) => {
+            progress.report("work mesh", 0.0);
+            let (work, field) =
+                seconds.time("work mesh", || work_mesh_with_field(request.mesh, features, direction, options))?;
+            let energy = field.energy(&work.mesh, &quadloom_field::Transport::of(&work.mesh));
+            (work, field, energy)
+        }
+        None => {
+            let work_edge = rung.work_edge * work_edge_length(area, edge);
+            let work = seconds.time("work mesh", || work_mesh(request.mesh, features, work_edge, options, progress))?;
+            let singularities = on_work_mesh(request, &work);
+            progress.report("cross field", 0.0);
+            let (field, report) = seconds.time("cross field", || cross_field(&work, edge, &singularities, progress))?;
+            (work, field, report.energy)
+        }
+    };
+    progress.report("integer-grid map", 0.0);
+    let goal = count_goal(quads, options);
+    let map =
+        seconds.time("integer-grid map", || integer_grid_map(&work, &field, goal, edge, options.method, progress))?;
+    progress.report("extraction", 0.0);
+    let extraction = seconds.time("extraction", || extract_quads(&work, &map.parametrization.map, progress))?;
+    Ok(Solution { work, field, energy, map, extraction })
+}
+
+/// The prescribed vertices' nearest vertices on the work mesh.
+fn on_work_mesh(request: &PartRequest, work: &WorkMesh) -> Vec<(VertexId, i32)> {
+    let nearest = |p: DVec3| {
+        let distance = |v: &VertexId| work.mesh.position(*v).distance_squared(p);
+        work.mesh.vertices().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    };
+    request.singularities.iter().filter_map(|&(v, index)| Some((nearest(request.mesh.position(v))?, index))).collect()
+}
+
+fn finish(
+    _input: &TriMesh,
+    _features: &FeatureGraph,
+    solution: &Solution,
+    progress: &Progress,
+) -> Result<QuadMesh, RemeshError> {
+    progress.report("finish", 0.0);
+    progress.check()?;
+    Ok(solution.extraction.mesh.clone())
+}
+
+fn fold_warning(solution: &Solution) -> Option<Warning> {
+    let folds = solution.map.parametrization.inverted.len();
+    let message = format!("{folds} triangles of the map are inverted; the quads around them were closed up");
+    (folds > 0).then(|| Warning::new(WarningCode::FoldsSurvived, message))
+}
+
+/// Triangles of an isotropic mesh, split into quads.
+fn split(
+    request: &PartRequest,
+    features: &FeatureGraph,
+    options: &RemeshOptions,
+    progress: &Progress,
+) -> Result<QuadMesh, RemeshError> {
+    let triangles = (request.quads as f64 / QUADS_PER_TRIANGLE as f64).max(1.0);
+    let equilateral = (request.mesh.area() / triangles * 4.0 / 3.0_f64.sqrt()).sqrt();
+    let fitted = crate::count::fit_count(count_goal(request.quads as f64, options), equilateral, |edge| {
+        let work = work_mesh(request.mesh, features, edge, options, progress)?;
+        let quads = (QUADS_PER_TRIANGLE * work.mesh.face_count()) as f64;
+        Ok::<_, RemeshError>(Some((work, quads)))
+    })?;
+    let work = fitted.ok_or_else(|| no_result("split", "there is no work mesh"))?.solution;
+    split_triangles(&work.mesh).map_err(|e| no_result("split", e))
+}

@@ -1,0 +1,303 @@
+//! A surface becomes quads: repair, components, parts, reunion, verification, report.
+//!
+//! In: a [`FaceSoup`] or a mesh, and [`RemeshOptions`]. Out: [`RemeshResult`] with a [`Report`].
+//! Holds: pure quads, manifold, oriented, same topology as the repaired input, none inverted, none facing against
+//! it; the same bytes for any number of threads. Not: the count, if a warning says so.
+//! Source: [Bommes2012] ch. 6 and 8.
+
+use crate::components::{join, shares};
+use crate::error::{RemeshError, Warning, WarningCode};
+use crate::features::FeatureRequest;
+use crate::measure::{feature_report, field_summary, irregular, map_summary, quality, surface_report};
+use crate::memory;
+use crate::options::{AUTO_QUADS_MAX, AUTO_QUADS_MIN, Elements, RemeshOptions, Target};
+use crate::part::{Part, PartRequest, remesh_part};
+use crate::report::{ComponentReport, CountReport, REPORT_VERSION, Report, Seconds};
+use crate::stages::no_result;
+use quadloom_mesh::repair::{Component, FindingKind, RepairOptions, Repaired, repair, split_components};
+use quadloom_mesh::{DVec3, FaceMap, FaceSoup, Progress, QuadMesh, TriMesh, VertexId, VertexMap, metric};
+use rayon::prelude::*;
+
+/// The quads and everything known about them.
+#[derive(Clone, Debug)]
+pub struct RemeshResult {
+    /// The quads.
+    pub quads: QuadMesh,
+    /// The repaired input.
+    pub input: TriMesh,
+    /// How each component was made, in the order of the components.
+    pub parts: Vec<Part>,
+    /// Everything measured.
+    pub report: Report,
+}
+
+/// Makes a pure-quad mesh of what a file says.
+///
+/// # Input      positions in file units; ids in the options are those of the soup
+/// # Errors     [`RemeshError`]; its kind tells the command's exit code
+/// # Cost       near-linear in triangles and quads; about 10 seconds for 200,000 triangles
+/// # Guarantees what the module says; warnings in the report say what was missed
+pub fn remesh(soup: &FaceSoup, options: &RemeshOptions, progress: &Progress) -> Result<RemeshResult, RemeshError> {
+    options.check()?;
+    let mut seconds = Seconds::default();
+    progress.report("repair", 0.0);
+    let repaired = seconds.time("repair", || repair(soup, &RepairOptions::default()))?;
+    progress.check()?;
+    remesh_repaired(soup, &repaired, options, seconds, progress)
+}
+
+/// Makes a pure-quad mesh of a triangle mesh.
+///
+/// As [`remesh`], without a repair.
+pub fn remesh_mesh(mesh: &TriMesh, options: &RemeshOptions, progress: &Progress) -> Result<RemeshResult, RemeshError> {
+    options.check()?;
+    let soup = FaceSoup {
+        positions: mesh.positions().values().to_vec(),
+        faces: mesh.to_faces().iter().map(|f| f.to_vec()).collect(),
+        ..FaceSoup::default()
+    };
+    let repaired = Repaired {
+        mesh: mesh.clone(),
+        vertex_of_input: mesh.vertices().map(Some).collect(),
+        input_face: FaceMap::from_fn(mesh.face_count(), |f| f.0),
+        report: Default::default(),
+    };
+    remesh_repaired(&soup, &repaired, options, Seconds::default(), progress)
+}
+
+/// Number of quads that the options ask of a mesh.
+pub fn target_count(mesh: &TriMesh, target: Target) -> usize {
+    let of_length = |length: f64| ((mesh.area() / (length * length)).round().min(1e9) as usize).max(1);
+    match target {
+        Target::Auto => (mesh.face_count() / 4).clamp(AUTO_QUADS_MIN, AUTO_QUADS_MAX),
+        Target::Quads(n) => n,
+        Target::EdgeLength(length) => of_length(length),
+        Target::Scale(scale) => {
+            let edges = metric::edge_lengths(mesh);
+            of_length(scale * edges.values().iter().sum::<f64>() / edges.len().max(1) as f64)
+        }
+    }
+}
+
+fn remesh_repaired(
+    soup: &FaceSoup,
+    repaired: &Repaired,
+    options: &RemeshOptions,
+    mut seconds: Seconds,
+    progress: &Progress,
+) -> Result<RemeshResult, RemeshError> {
+    let mesh = &repaired.mesh;
+    let mut warnings = repair_warnings(repaired);
+    // 1. Components and their shares.
+    let components = split_components(mesh).map_err(|e| no_result("components", e))?;
+    let asked = target_count(mesh, options.target);
+    let share = shares(&components, asked);
+    let requests = requests(soup, repaired, &components, &share, options, &mut warnings)?;
+    // 2. Each component by itself.
+    let parts: Vec<Part> = requests
+        .par_iter()
+        .enumerate()
+        .map(|(i, request)| {
+            let part = remesh_part(request, options, progress);
+            part.map_err(|e| at_component(e, i as u32, components.len(), request.mesh.face_count()))
+        })
+        .collect::<Vec<_>>()
+        .into_iter()
+        .collect::<Result<_, _>>()?;
+    // 3. One mesh again.
+    let quads = join(&parts.iter().map(|p| &p.quads).collect::<Vec<_>>()).map_err(|e| no_result("join", e))?;
+    for (i, part) in parts.iter().enumerate() {
+        seconds.absorb(&part.seconds);
+        let named = part.warnings.iter().cloned().map(|w| if parts.len() > 1 { of_component(w, i as u32) } else { w });
+        warnings.extend(named);
+    }
+    // 4. What was measured.
+    progress.report("report", 0.0);
+    let count = count_report(asked, quads.face_count(), options);
+    if count.error_percent.abs() > count.tolerance_percent && count.explicit {
+        warnings.push(count_warning(&count));
+    }
+    warnings.extend(feature_warnings(&parts));
+    let measured = seconds.time("report", || (quality(&quads, &parts), irregular(&quads)));
+    let report = Report {
+        report_version: REPORT_VERSION,
+        quadloom: env!("CARGO_PKG_VERSION"),
+        input: surface_report(mesh),
+        repairs: repaired.report.findings().map(ToString::to_string).collect(),
+        output: surface_report(&quads),
+        irregular: measured.1,
+        count,
+        features: feature_report(&parts),
+        field: field_summary(&parts, options.field.is_some()),
+        map: map_summary(&parts),
+        quality: measured.0,
+        distance: None,
+        components: component_reports(&components, &share, &parts),
+        seconds,
+        peak_memory_bytes: memory::peak_bytes(),
+        warnings,
+    };
+    Ok(RemeshResult { quads, input: mesh.clone(), parts, report })
+}
+
+/// What is asked of each component; what fits no component is an error or a warning.
+fn requests<'a>(
+    soup: &FaceSoup,
+    repaired: &Repaired,
+    components: &'a [Component],
+    share: &[usize],
+    options: &RemeshOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<PartRequest<'a>>, RemeshError> {
+    // Where each vertex of the repaired mesh is among the components.
+    let mut place = VertexMap::filled(repaired.mesh.vertex_count(), (0usize, VertexId(0)));
+    for (i, component) in components.iter().enumerate() {
+        for (v, &whole) in component.vertex_of.iter() {
+            place[whole] = (i, v);
+        }
+    }
+    let find = |id: u32| Some(place[(*repaired.vertex_of_input.get(id as usize)?)?]);
+    let mut requests: Vec<PartRequest> = components
+        .iter()
+        .zip(share)
+        .map(|(component, &quads)| PartRequest {
+            mesh: &component.mesh,
+            quads,
+            features: FeatureRequest { sharp_angle: options.sharp_angle, ..FeatureRequest::default() },
+            field: None,
+            singularities: Vec::new(),
+        })
+        .collect();
+    // 1. Named edges.
+    let mut missing = 0;
+    for &[a, b] in &options.features {
+        match (find(a), find(b)) {
+            (Some((i, a)), Some((j, b))) if i == j => requests[i].features.edges.push([a, b]),
+            _ => missing += 1,
+        }
+    }
+    if missing > 0 {
+        let message = format!("{missing} feature edges do not join two vertices of one component and are not kept");
+        warnings.push(Warning::new(WarningCode::FeatureMissed, message));
+    }
+    // 2. Singular vertices.
+    for &(id, index) in &options.singularities {
+        let (i, v) = find(id).ok_or_else(|| RemeshError::Mismatch {
+            what: "the list of singularities",
+            why: format!("there is no vertex {id} on the surface"),
+        })?;
+        requests[i].singularities.push((v, index));
+    }
+    // 3. Curves go to the component that their first point is nearest to.
+    for guide in &options.guides {
+        if let Some(i) = nearest_component(&repaired.mesh, &place, guide) {
+            requests[i].features.guides.push(guide.clone());
+        }
+    }
+    // 4. The given field.
+    if let Some(field) = &options.field {
+        if field.directions.len() != soup.faces.len() {
+            let why = format!("it has {} vectors, the input {} faces", field.directions.len(), soup.faces.len());
+            return Err(RemeshError::Mismatch { what: "the cross field", why });
+        }
+        for (request, component) in requests.iter_mut().zip(components) {
+            let direction = |f| field.directions[repaired.input_face[component.face_of[f]] as usize];
+            request.field = Some(FaceMap::from_fn(component.mesh.face_count(), direction));
+        }
+    }
+    Ok(requests)
+}
+
+fn nearest_component(mesh: &TriMesh, place: &VertexMap<(usize, VertexId)>, guide: &[DVec3]) -> Option<usize> {
+    let &first = guide.first()?;
+    let distance = |v: &VertexId| mesh.position(*v).distance_squared(first);
+    mesh.vertices().min_by(|a, b| distance(a).total_cmp(&distance(b))).map(|v| place[v].0)
+}
+
+fn repair_warnings(repaired: &Repaired) -> Vec<Warning> {
+    repaired
+        .report
+        .findings()
+        .map(|finding| {
+            let elements = match finding.kind {
+                FindingKind::WeldedVertex
+                | FindingKind::NonManifoldVertex
+                | FindingKind::UnusedVertex
+                | FindingKind::TJunction => Elements::Vertices(finding.first.clone()),
+                _ => Elements::Faces(finding.first.clone()),
+            };
+            Warning::new(WarningCode::Repaired, finding.to_string()).at(elements)
+        })
+        .collect()
+}
+
+fn at_component(error: RemeshError, i: u32, count: usize, triangles: usize) -> RemeshError {
+    match error {
+        RemeshError::NoResult { stage, why, .. } if count > 1 => RemeshError::NoResult {
+            stage,
+            why: format!("component {} of {count} ({triangles} triangles): {why}", i + 1),
+            elements: Elements::Components(vec![i]),
+        },
+        other => other,
+    }
+}
+
+fn of_component(warning: Warning, i: u32) -> Warning {
+    let message = format!("component {}: {}", i + 1, warning.message);
+    let elements = match warning.elements {
+        Elements::None => Elements::Components(vec![i]),
+        other => other,
+    };
+    Warning { message, elements, ..warning }
+}
+
+fn count_report(asked: usize, reached: usize, options: &RemeshOptions) -> CountReport {
+    CountReport {
+        asked,
+        explicit: options.target != Target::Auto,
+        reached,
+        error_percent: 100.0 * (reached as f64 - asked as f64) / asked as f64,
+        tolerance_percent: 100.0 * options.tolerance,
+    }
+}
+
+fn count_warning(count: &CountReport) -> Warning {
+    let message = format!(
+        "{} quads instead of {} ({:+.1} %, tolerance {} %): features and singularities leave no room for fewer or more; \
+         try another size or --sharp-angle",
+        count.reached, count.asked, count.error_percent, count.tolerance_percent
+    );
+    Warning::new(WarningCode::CountMissed, message)
+}
+
+fn feature_warnings(parts: &[Part]) -> Vec<Warning> {
+    let sum = |f: fn(&Part) -> usize| parts.iter().map(f).sum::<usize>();
+    let mut warnings = Vec::new();
+    let dropped = sum(|p| p.features.dropped_edges);
+    if dropped > 0 {
+        let message = format!("{dropped} sharp edges in loose pieces shorter than two quads were not kept");
+        warnings.push(Warning::new(WarningCode::LooseFeaturesDropped, message));
+    }
+    let missing = sum(|p| p.features.missing_edges);
+    if missing > 0 {
+        let message = format!("{missing} feature edges are not edges of the mesh and are not kept");
+        warnings.push(Warning::new(WarningCode::FeatureMissed, message));
+    }
+    warnings
+}
+
+fn component_reports(components: &[Component], share: &[usize], parts: &[Part]) -> Vec<ComponentReport> {
+    let made_by = |part: &Part| if part.solution.is_some() { "integer-grid map" } else { "split triangles" };
+    components
+        .iter()
+        .zip(share)
+        .zip(parts)
+        .map(|((component, &asked), part)| ComponentReport {
+            triangles: component.mesh.face_count(),
+            asked,
+            reached: part.quads.face_count(),
+            attempt: part.attempt,
+            made_by: made_by(part),
+        })
+        .collect()
+}

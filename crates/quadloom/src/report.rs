@@ -1,0 +1,224 @@
+//! The report of a run: everything that was measured, as plain data.
+//!
+//! In: what the stages hand back. Out: [`Report`], which serialises to JSON.
+//! Holds: `version` is raised whenever a field changes its meaning or goes away; numbers that do not exist are
+//! `null`, never invented. Units: file units, seconds, degrees, bytes; percent where the name says so.
+
+use crate::error::Warning;
+use quadloom_mesh::Summary;
+use serde::ser::{Serialize, SerializeMap, Serializer};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// Version of the layout of [`Report`].
+pub const REPORT_VERSION: u32 = 1;
+
+/// Everything measured in a run.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Report {
+    /// Version of this layout.
+    pub report_version: u32,
+    /// Version of the program.
+    pub quadloom: &'static str,
+    /// The repaired input.
+    pub input: SurfaceReport,
+    /// What repair changed, one line per kind of defect.
+    pub repairs: Vec<String>,
+    /// The result.
+    pub output: SurfaceReport,
+    /// Irregular vertices of the result.
+    pub irregular: IrregularReport,
+    /// Asked and reached number of quads.
+    pub count: CountReport,
+    /// Feature curves.
+    pub features: FeatureReport,
+    /// The cross field, over all components.
+    pub field: FieldSummary,
+    /// The integer-grid map, over all components.
+    pub map: MapSummary,
+    /// Shapes of the quads.
+    pub quality: QualityReport,
+    /// Distance between result and input.
+    pub distance: Option<DistanceReport>,
+    /// How each component was made.
+    pub components: Vec<ComponentReport>,
+    /// Wall-clock seconds of each stage; stages of components that ran at the same time are added up.
+    pub seconds: Seconds,
+    /// Largest resident memory, bytes.
+    pub peak_memory_bytes: Option<u64>,
+    /// What a user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Counts and size of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct SurfaceReport {
+    /// Counts and topology.
+    #[serde(flatten)]
+    pub summary: Summary,
+    /// Area, file units squared.
+    pub area: f64,
+    /// Diagonal of the bounding box, file units.
+    pub diagonal: f64,
+}
+
+/// Irregular vertices.
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct IrregularReport {
+    /// Interior vertices by valence, 4 left out.
+    pub by_valence: BTreeMap<usize, usize>,
+    /// Interior vertices of a valence other than 4.
+    pub interior: usize,
+    /// Boundary vertices without exactly two quads.
+    pub boundary: usize,
+}
+
+/// Asked and reached count.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct CountReport {
+    /// Quads asked for, or chosen where nothing was asked.
+    pub asked: usize,
+    /// Whether the user named the size.
+    pub explicit: bool,
+    /// Quads of the result.
+    pub reached: usize,
+    /// Deviation, percent of the count asked for.
+    pub error_percent: f64,
+    /// Deviation that is accepted, percent.
+    pub tolerance_percent: f64,
+}
+
+/// Feature curves.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct FeatureReport {
+    /// Curves between corners, boundaries included.
+    pub chains: usize,
+    /// Edges of the input on them.
+    pub edges: usize,
+    /// Fixed corners.
+    pub corners: usize,
+    /// Curves that the result has as runs of quad edges.
+    pub chains_kept: usize,
+    /// Sharp edges dropped because their chains are short and loose.
+    pub dropped_edges: usize,
+    /// Mean distance from the input's feature curves to quad edges, percent of the diagonal.
+    pub mean_percent: Option<f64>,
+    /// Largest such distance.
+    pub max_percent: Option<f64>,
+}
+
+/// The cross field.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct FieldSummary {
+    /// Interior singular vertices by index in quarters (valence 3 is 1).
+    pub by_index: BTreeMap<i32, usize>,
+    /// Smoothness energy ([Bommes2012] §8.2, Eq. (8.1)), radians squared.
+    pub energy: f64,
+    /// Singular vertices of the field that was given.
+    pub given_singularities: Option<usize>,
+    /// Whether the result's irregular vertices are those of the given field.
+    pub singularities_kept: Option<bool>,
+}
+
+/// The integer-grid map.
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct MapSummary {
+    /// Triangles of the work meshes.
+    pub triangles: usize,
+    /// Map solves, re-scalings and attempts included.
+    pub solves: usize,
+    /// Inverted triangles of the maps that were used.
+    pub flips: usize,
+}
+
+/// Shapes of quads.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct QualityReport {
+    /// Smallest scaled Jacobian.
+    pub scaled_jacobian_min: f64,
+    /// Mean scaled Jacobian, the worst corner of each quad.
+    pub scaled_jacobian_mean: f64,
+    /// Quads with a scaled Jacobian of zero or less.
+    pub inverted: usize,
+    /// Quads whose normal points against the input's.
+    pub facing_against: Option<usize>,
+    /// Mean deviation of corner angles from 90°, degrees.
+    pub angle_mean: f64,
+    /// Largest such deviation.
+    pub angle_max: f64,
+    /// Mean edge length, file units.
+    pub edge_mean: f64,
+    /// Standard deviation of edge lengths over their mean.
+    pub edge_variation: f64,
+}
+
+/// Distances between two surfaces, both ways, sampled.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct DistanceReport {
+    /// Mean of the two directions, percent of the input's diagonal.
+    pub mean_percent: f64,
+    /// Largest distance from the result to the input.
+    pub to_input_max_percent: f64,
+    /// Largest distance from the input to the result.
+    pub from_input_max_percent: f64,
+}
+
+/// How one component was made.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct ComponentReport {
+    /// Triangles of the repaired input.
+    pub triangles: usize,
+    /// Its share of the count.
+    pub asked: usize,
+    /// Quads of the result.
+    pub reached: usize,
+    /// The attempt that gave the result, from 0.
+    pub attempt: usize,
+    /// How it was made.
+    pub made_by: &'static str,
+}
+
+/// Seconds by stage, in the order in which stages were first entered.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Seconds(Vec<(&'static str, f64)>);
+
+impl Seconds {
+    /// Adds time to a stage.
+    pub fn add(&mut self, stage: &'static str, seconds: f64) {
+        match self.0.iter_mut().find(|(name, _)| *name == stage) {
+            Some((_, sum)) => *sum += seconds,
+            None => self.0.push((stage, seconds)),
+        }
+    }
+
+    /// Runs `work` and adds its time to a stage.
+    pub fn time<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
+        let begin = Instant::now();
+        let result = work();
+        self.add(stage, begin.elapsed().as_secs_f64());
+        result
+    }
+
+    /// Adds the times of another run, stage by stage.
+    pub fn absorb(&mut self, other: &Self) {
+        for &(stage, seconds) in &other.0 {
+            self.add(stage, seconds);
+        }
+    }
+
+    /// Stages and their times.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
+        self.0.iter().copied()
+    }
+}
+
+impl Serialize for Seconds {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (stage, seconds) in &self.0 {
+            // Milliseconds: what is below changes from run to run.
+            map.serialize_entry(stage, &((seconds * 1e3).round() / 1e3))?;
+        }
+        map.end()
+    }
+}

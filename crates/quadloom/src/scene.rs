@@ -1,0 +1,89 @@
+//! A result as a picture.
+//!
+//! In: a [`RemeshResult`], or a mesh. Out: a [`Scene`] for [`crate::view::render_html`].
+
+use crate::measure::irregular;
+use crate::part::Solution;
+use crate::remesh::RemeshResult;
+use crate::view::{
+    QuadLayer, Scene, SurfaceLayer, boundary_lines, crosses, feature_lines, irregular_vertices, isolines,
+    quad_histograms, seams,
+};
+use quadloom_mesh::{QuadMesh, Summary, TriMesh};
+
+/// Crosses that a page shows, over all components: more are not told apart.
+const CROSSES: usize = 6000;
+
+/// Everything that a run made.
+pub fn of_result(result: &RemeshResult, title: &str) -> Scene {
+    let mut scene = of_quads(&result.quads, Some(&result.input), title);
+    let area = result.input.area();
+    for part in &result.parts {
+        let Some(Solution { work, field, map, .. }) = &part.solution else { continue };
+        let (mesh, map) = (&work.mesh, &map.parametrization.map);
+        let share = (CROSSES as f64 * mesh.area() / area) as usize;
+        scene.features.extend(feature_lines(mesh, &work.features));
+        scene.seams.extend(seams(mesh, map));
+        scene.crosses.extend(crosses(mesh, &field.angle, share));
+        let lines = isolines(mesh, map);
+        scene.uv_isolines.u.extend(lines.u);
+        scene.uv_isolines.v.extend(lines.v);
+    }
+    let report = &result.report;
+    let mut rows = vec![("asked quads".into(), report.count.asked.to_string())];
+    rows.extend(std::mem::take(&mut scene.statistics));
+    let mut row = |name: &str, value: String| rows.push((name.to_string(), value));
+    row("feature curves", format!("{} of {}", report.features.chains_kept, report.features.chains));
+    row("map solves", report.map.solves.to_string());
+    for (stage, seconds) in report.seconds.iter() {
+        row(stage, format!("{seconds:.2} s"));
+    }
+    scene.statistics = rows;
+    scene
+}
+
+/// Quads, with the surface that they stand for.
+pub fn of_quads(quads: &QuadMesh, reference: Option<&TriMesh>, title: &str) -> Scene {
+    let summary = Summary::of(quads);
+    let irregular = irregular(quads);
+    let by_valence = |v: usize| irregular.by_valence.get(&v).copied().unwrap_or(0);
+    let statistics = [
+        ("quads", summary.faces.to_string()),
+        ("vertices", summary.vertices.to_string()),
+        ("Euler characteristic", summary.chi.to_string()),
+        ("components", summary.components.to_string()),
+        ("boundary loops", summary.boundary_loops.to_string()),
+        ("irregular vertices", irregular.interior.to_string()),
+        ("of valence 3 / 5", format!("{} / {}", by_valence(3), by_valence(5))),
+    ];
+    let length = quads.edges().map(|e| quads.ends(e).map(|v| quads.position(v))).map(|[a, b]| a.distance(b));
+    let mean = length.sum::<f64>() / quads.edge_count().max(1) as f64;
+    Scene {
+        title: title.into(),
+        input: reference.map(SurfaceLayer::of),
+        quads: Some(QuadLayer::of(quads)),
+        singularities: irregular_vertices(quads),
+        boundary: reference.map(boundary_lines).unwrap_or_default(),
+        statistics: statistics.map(|(name, value)| (name.to_string(), value)).to_vec(),
+        histograms: quad_histograms(quads, mean).into_iter().collect(),
+        ..Scene::default()
+    }
+}
+
+/// A triangle mesh alone.
+pub fn of_triangles(mesh: &TriMesh, title: &str) -> Scene {
+    let summary = Summary::of(mesh);
+    let statistics = [
+        ("triangles", summary.faces),
+        ("vertices", summary.vertices),
+        ("components", summary.components),
+        ("boundary loops", summary.boundary_loops),
+    ];
+    Scene {
+        title: title.into(),
+        input: Some(SurfaceLayer::of(mesh)),
+        boundary: boundary_lines(mesh),
+        statistics: statistics.map(|(name, value)| (name.to_string(), value.to_string())).to_vec(),
+        ..Scene::default()
+    }
+}

@@ -1,0 +1,207 @@
+//! The arrows of the pipeline on one connected surface, one function each.
+//!
+//! In: a triangle mesh and its features. Out: [`WorkMesh`], then a cross field, an integer-grid map with a number of
+//! quads, an extraction. Holds: chains keep their numbers from the input to the quads.
+//! Source: [Bommes2012] §8.1 to §8.4.
+
+use crate::count::{CountGoal, Fitted, fit_count};
+use crate::error::RemeshError;
+use crate::features::without_boundary;
+use crate::options::{Elements, Method, RemeshOptions};
+use quadloom_extract::Extraction;
+use quadloom_field::{
+    CrossField, FieldConstraints, FieldOptions, FieldReport, SizeField, Transport, solve_cross_field,
+};
+use quadloom_mesh::refine::separate_features;
+use quadloom_mesh::remesh::{self, TargetLength, isotropic};
+use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, TriMesh, VertexId, metric};
+use quadloom_param::{GRID_UNIT, IntegerGridMap, ParamOptions, Parametrization, Parametrizer};
+
+/// Edge length of the work mesh, relative to that of the quads.
+///
+/// Larger: fewer triangles, and singularities that have no room. Smaller: slower; the cost grows with the square.
+pub const WORK_EDGE_REL: f64 = 0.55;
+
+/// Most triangles that a work mesh is meant to have: beyond, its edges grow relative to the quads.
+const WORK_TRIANGLES_MAX: f64 = 250_000.0;
+
+/// Opposite singularities closer than this many quad edges are joined: nearer pairs collapse in the map.
+const CANCEL_DISTANCE_REL: f64 = 1.5;
+
+/// Solves of the map that reaching a count may cost.
+const COUNT_SOLVES: usize = 4;
+
+/// The mesh on which field and map are solved.
+#[derive(Clone, Debug)]
+pub struct WorkMesh {
+    /// Its triangles.
+    pub mesh: TriMesh,
+    /// All chains, those of the input with their numbers.
+    pub features: FeatureGraph,
+    /// The chains that field and map follow.
+    pub binding: FeatureGraph,
+}
+
+/// A map with the number of quads in it.
+#[derive(Clone, Debug)]
+pub struct SizedMap {
+    /// The map and how it came about.
+    pub parametrization: Parametrization,
+    /// Number of quads: the area of the map's image.
+    pub quads: f64,
+    /// Edge length that led to it, file units.
+    pub edge_length: f64,
+    /// Solves made.
+    pub solves: usize,
+}
+
+/// Edge length of a work mesh for quads of the given length, file units.
+pub fn work_edge_length(area: f64, quad_edge: f64) -> f64 {
+    let equilateral = |triangles: f64| (area / triangles * 4.0 / 3.0_f64.sqrt()).sqrt();
+    (WORK_EDGE_REL * quad_edge).max(equilateral(WORK_TRIANGLES_MAX))
+}
+
+/// Makes the work mesh: isotropic, with the input's topology and chains.
+///
+/// # Input      edge: its edge length, file units
+/// # Errors     cancellation
+pub fn work_mesh(
+    mesh: &TriMesh,
+    features: &FeatureGraph,
+    edge: f64,
+    options: &RemeshOptions,
+    progress: &Progress,
+) -> Result<WorkMesh, RemeshError> {
+    let remeshed = isotropic(mesh, features, TargetLength::Uniform(edge), &remesh::RemeshOptions::default(), progress)?;
+    Ok(WorkMesh::new(remeshed.mesh, remeshed.features, options))
+}
+
+/// Makes a work mesh of the input's own triangles, with a given direction per face, and its field.
+///
+/// Triangles are only split where features are too close to each other, so that the field's singularities stay.
+///
+/// # Errors     a vector without a direction in its face
+pub fn work_mesh_with_field(
+    mesh: &TriMesh,
+    features: &FeatureGraph,
+    direction: &FaceMap<DVec3>,
+    options: &RemeshOptions,
+) -> Result<(WorkMesh, CrossField), RemeshError> {
+    let refined = separate_features(mesh, features).map_err(|e| no_result("work mesh", e))?;
+    let direction = FaceMap::from_fn(refined.mesh.face_count(), |f| direction[refined.parent_face[f]]);
+    let field = CrossField::from_directions(&refined.mesh, &direction)
+        .map_err(|e| RemeshError::Mismatch { what: "the cross field", why: e.to_string() })?;
+    Ok((WorkMesh::new(refined.mesh, refined.features, options), field))
+}
+
+impl WorkMesh {
+    fn new(mesh: TriMesh, features: FeatureGraph, options: &RemeshOptions) -> Self {
+        let binding = if options.keep_boundary { features.clone() } else { without_boundary(&mesh, &features) };
+        Self { mesh, features, binding }
+    }
+}
+
+/// Solves for the cross field.
+///
+/// # Input      quad_edge: edge length of the quads, file units; singularities: vertices of the work mesh with their
+///              index in quarters
+/// # Errors     prescriptions that exclude each other, cancellation
+pub fn cross_field(
+    work: &WorkMesh,
+    quad_edge: f64,
+    singularities: &[(VertexId, i32)],
+    progress: &Progress,
+) -> Result<(CrossField, FieldReport), RemeshError> {
+    let mesh = &work.mesh;
+    let length = metric::edge_lengths(mesh);
+    let transport = Transport::new(mesh, &length);
+    let (mut constraints, _) = FieldConstraints::from_features(mesh, &transport, &length, &work.binding);
+    constraints.indices = singularities.to_vec();
+    let options = FieldOptions { cancel_distance: CANCEL_DISTANCE_REL * quad_edge, ..FieldOptions::default() };
+    solve_cross_field(mesh, &transport, &length, &constraints, &options, progress).map_err(|e| match e {
+        quadloom_field::FieldError::Cancelled(c) => c.into(),
+        quadloom_field::FieldError::NoInteriorVertex { .. } | quadloom_field::FieldError::Unsatisfiable { .. } => {
+            RemeshError::Mismatch { what: "the list of singularities", why: e.to_string() }
+        }
+        other => no_result("cross field", other),
+    })
+}
+
+/// Solves for integer-grid maps until one has the wanted number of quads.
+///
+/// # Input      quads: wanted; edge_length: first size, file units
+/// # Output     the map whose count is nearest; `None` if the first solve failed
+/// # Errors     cancellation
+pub fn integer_grid_map(
+    work: &WorkMesh,
+    field: &CrossField,
+    goal: CountGoal,
+    edge_length: f64,
+    method: Method,
+    progress: &Progress,
+) -> Result<SizedMap, RemeshError> {
+    let mut parametrizer = Parametrizer::new(&work.mesh, &work.binding, field).map_err(param_error)?;
+    let method = match method {
+        Method::Direct => quadloom_param::Method::Direct,
+        Method::Greedy => quadloom_param::Method::Greedy,
+    };
+    let options = ParamOptions { method, ..ParamOptions::default() };
+    let uniform = SizeField::uniform(work.mesh.face_count(), 1.0);
+    let mut first_error = None;
+    let fitted = fit_count(goal, edge_length, |size| {
+        match parametrizer.map(&uniform.scaled(size), &options, progress).map_err(param_error) {
+            Ok(map) => {
+                let quads = quads_in(&work.mesh, &map.map);
+                Ok(Some((map, quads)))
+            }
+            Err(e @ RemeshError::Cancelled(_)) => Err(e),
+            Err(e) => {
+                first_error.get_or_insert(e);
+                Ok(None)
+            }
+        }
+    })?;
+    match (fitted, first_error) {
+        (Some(Fitted { solution, quads, size, solves }), _) => {
+            Ok(SizedMap { parametrization: solution, quads, edge_length: size, solves })
+        }
+        (None, Some(e)) => Err(e),
+        (None, None) => Err(no_result("integer-grid map", "no solve was made")),
+    }
+}
+
+/// How a count is to be reached under the options.
+pub fn count_goal(quads: f64, options: &RemeshOptions) -> CountGoal {
+    // Half of what is accepted is left to what extraction and components may add.
+    CountGoal { quads, tolerance: 0.5 * options.tolerance, solves: COUNT_SOLVES }
+}
+
+/// Number of quads in a map: the area of its image, in grid units squared.
+pub fn quads_in(mesh: &TriMesh, map: &IntegerGridMap) -> f64 {
+    let twice: i128 = mesh.faces().map(|f| map.face_area(mesh, f)).sum();
+    let unit = GRID_UNIT as f64;
+    0.5 * (twice as f64) / (unit * unit)
+}
+
+/// Extracts the quads of a map.
+///
+/// # Errors     maps that do not close to quads, cancellation
+pub fn extract_quads(work: &WorkMesh, map: &IntegerGridMap, progress: &Progress) -> Result<Extraction, RemeshError> {
+    use quadloom_extract::ExtractError;
+    quadloom_extract::extract(&work.mesh, map, &work.binding, progress).map_err(|e| match e {
+        ExtractError::Cancelled(c) => c.into(),
+        other => no_result("extraction", other),
+    })
+}
+
+fn param_error(error: quadloom_param::ParamError) -> RemeshError {
+    match error {
+        quadloom_param::ParamError::Cancelled(c) => c.into(),
+        other => no_result("integer-grid map", other),
+    }
+}
+
+/// A stage that gave up.
+pub(crate) fn no_result(stage: &'static str, why: impl std::fmt::Display) -> RemeshError {
+    RemeshError::NoResult { stage, why: why.to_string(), elements: Elements::None }
+}

@@ -1,0 +1,74 @@
+//! What a result must be before it is called one.
+//!
+//! In: quads and the surface they stand for. Out: [`Verification`]. Holds: made from the definitions, not from what
+//! the stages say of themselves. That quads are four different vertices, manifold and oriented is what
+//! [`QuadMesh`]'s constructor has checked.
+
+use crate::view::scaled_jacobian;
+use quadloom_mesh::closest::ClosestPoint;
+use quadloom_mesh::{DVec3, FaceId, QuadMesh, Summary, TriMesh};
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verification {
+    /// Topology of the surface.
+    pub expected: Summary,
+    /// Topology of the quads.
+    pub found: Summary,
+    /// Quads whose scaled Jacobian is zero or less, ascending.
+    pub inverted: Vec<FaceId>,
+    /// Quads whose normal points against the surface's, ascending.
+    pub against: Vec<FaceId>,
+}
+
+impl Verification {
+    /// Whether the quads are a result.
+    pub fn passed(&self) -> bool {
+        self.expected.same_topology(&self.found) && self.inverted.is_empty() && self.against.is_empty()
+    }
+
+    /// What is wrong, in a sentence; empty if nothing is.
+    pub fn complaint(&self) -> String {
+        if !self.expected.same_topology(&self.found) {
+            let shape = |s: &Summary| {
+                format!(
+                    "Euler characteristic {}, {} components, {} boundary loops",
+                    s.chi, s.components, s.boundary_loops
+                )
+            };
+            return format!("the quads have {}, the input has {}", shape(&self.found), shape(&self.expected));
+        }
+        let list = |quads: &[FaceId], what: &str| match quads {
+            [] => String::new(),
+            [first, ..] => format!("{} quads {what} (first: {first})", quads.len()),
+        };
+        let both = [list(&self.inverted, "are inverted"), list(&self.against, "face against the input")];
+        both.iter().filter(|s| !s.is_empty()).cloned().collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Compares quads with the surface they stand for.
+///
+/// # Cost       five closest-point queries per quad
+pub fn verify(quads: &QuadMesh, surface: &TriMesh, closest: &ClosestPoint) -> Verification {
+    let corners = |f: FaceId| quads.face_vertices(f).map(|v| quads.position(v));
+    Verification {
+        expected: Summary::of(surface),
+        found: Summary::of(quads),
+        inverted: quads.faces().filter(|&f| scaled_jacobian(corners(f)) <= 0.0).collect(),
+        against: quads.faces().filter(|&f| faces_against(corners(f), surface, closest)).collect(),
+    }
+}
+
+/// Whether most of five points of a quad lie nearest to faces that point the other way.
+///
+/// One point alone may be nearest to the other side of a thin sheet.
+fn faces_against(corner: [DVec3; 4], surface: &TriMesh, closest: &ClosestPoint) -> bool {
+    let normal = (corner[2] - corner[0]).cross(corner[3] - corner[1]);
+    let centre = corner.iter().sum::<DVec3>() / 4.0;
+    let against = |p: DVec3| surface.vector_area(closest.query(p).point.face).dot(normal) < 0.0;
+    if !against(centre) {
+        return false;
+    }
+    corner.iter().filter(|&&c| against(c.lerp(centre, 0.5))).count() >= 2
+}

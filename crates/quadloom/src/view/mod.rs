@@ -1,0 +1,19 @@
+//! Pictures: one self-contained HTML page that shows an input surface, its quads and everything in between.
+//!
+//! In: a [`Scene`], built by hand or from meshes, fields and maps with [`layers`], [`isolines`](isolines()) and
+//! [`histogram`]. Out: the text of one page ([`render_html`]), which works without a network.
+//! Holds: the page asks for nothing outside itself (its content policy forbids it); texts of the scene are
+//! escaped; the same scene gives the same bytes. Not: any statement about the mesh that the scene does not make.
+//! Source: own; edges without triangle diagonals after the screen-space distances of [Baerentzen2006].
+
+pub mod histogram;
+pub mod isolines;
+pub mod layers;
+mod page;
+mod scene;
+
+pub use histogram::{Bins, Histogram, quad_histograms, scaled_jacobian, scaled_jacobians};
+pub use isolines::{UvIsolines, isolines};
+pub use layers::{boundary_lines, crosses, feature_lines, irregular_vertices, seams};
+pub use page::render_html;
+pub use scene::{Cross, Polyline, QuadLayer, Scene, Segment, Singularity, SurfaceLayer};

@@ -1,0 +1,909 @@
+// The viewer of a Quadloom page: WebGL2 without a library.
+//
+// In: the JSON of #scene, packed by page.rs (base64 of little-endian 32-bit numbers, bounding box within radius 1).
+// Out: the picture and its panel; `window.quadloom` for scripts; picture options in the address after '#', as in
+// #preset=map&theme=dark&palette=safe&panel=off&yaw=-30&pitch=20&zoom=1.4&compare=0.5&layers=quads,features.
+// Holds: a frame is drawn only when something changed; nothing is asked for outside the page.
+(() => {
+'use strict';
+
+// ------------------------------------------------------------------------------------------------ the scene
+
+const $ = id => document.getElementById(id);
+const packed = JSON.parse($('scene').textContent);
+
+function bytes(base64) {
+  const text = atob(base64), out = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) out[i] = text.charCodeAt(i);
+  return out.buffer;
+}
+const floats = text => new Float32Array(bytes(text));
+const integers = text => new Uint32Array(bytes(text));
+
+function unpackFaces(part, degree) {
+  if (!part) return null;
+  const faces = integers(part.faces);
+  return { positions: floats(part.positions), faces, degree, count: faces.length / degree, quality: floats(part.quality) };
+}
+const input = unpackFaces(packed.input, 3);
+const quads = unpackFaces(packed.quads, 4);
+const singular = { positions: floats(packed.singularities.positions), valence: integers(packed.singularities.valence) };
+const lines = Object.fromEntries(Object.entries(packed.lines).map(([name, text]) => [name, floats(text)]));
+const segmentCount = name => lines[name].length / 6;
+
+// ------------------------------------------------------------------------------------------------ colours
+
+const PALETTES = {
+  usual: { valence3: '#d62839', valence5: '#1d5fd1', valenceOther: '#f0a202', features: '#c2410c', boundary: '#0f766e',
+    seams: '#be185d', field: '#334155', grid_u: '#d62839', grid_v: '#1d5fd1' },
+  // Okabe and Ito's colours: told apart with any kind of colour vision.
+  safe: { valence3: '#e69f00', valence5: '#0072b2', valenceOther: '#cc79a7', features: '#d55e00', boundary: '#009e73',
+    seams: '#cc79a7', field: '#334155', grid_u: '#e69f00', grid_v: '#0072b2' },
+};
+const THEMES = {
+  light: { paper: '#ffffff', quads: '#e6ecf3', input: '#e3e1dc', back: '#c9b79c', ink: '#11151a', faint: '#7d838b' },
+  dark: { paper: '#14171b', quads: '#b9c6d6', input: '#b8b5ae', back: '#7d6d55', ink: '#0a0c0f', faint: '#5b616a' },
+};
+// Scaled Jacobian to colour: inverted magenta, then dark red to blue; most quads are above 0.9, so is the detail.
+const QUALITY_STOPS = [[0, '#7f1d1d'], [0.4, '#c2410c'], [0.7, '#f59e0b'], [0.88, '#fde68a'], [0.96, '#d3e8ec'], [1, '#7fb3d3']];
+const INVERTED = '#c026d3';
+
+const rgb = hex => [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16) / 255);
+function qualityColour(q) {
+  if (!(q > 0)) return rgb(INVERTED);
+  const k = Math.max(1, QUALITY_STOPS.findIndex(([at]) => at >= Math.min(q, 1)));
+  const [[a, from], [b, to]] = [QUALITY_STOPS[k - 1], QUALITY_STOPS[k]];
+  const t = (Math.min(q, 1) - a) / (b - a), [x, y] = [rgb(from), rgb(to)];
+  return x.map((c, i) => c + t * (y[i] - c));
+}
+
+// ------------------------------------------------------------------------------------------------ layers
+
+// side: which half of a comparison the layer belongs to; raise: how far lines are pulled towards the eye.
+const LAYERS = [
+  { id: 'quads', name: 'Quads', key: '1', side: 'right', count: quads?.count ?? 0 },
+  { id: 'input', name: 'Input surface', key: '2', side: 'left', count: input?.count ?? 0 },
+  { id: 'triangles', name: 'Input triangles', key: '3', side: 'left', count: input?.count ?? 0 },
+  { id: 'singularities', name: 'Irregular vertices', key: '4', side: quads ? 'right' : 'both', count: singular.valence.length },
+  { id: 'features', name: 'Feature lines', key: '5', side: 'both', count: segmentCount('features'), width: 2.6, raise: 0.006 },
+  { id: 'boundary', name: 'Boundary', key: '6', side: 'both', count: segmentCount('boundary'), width: 2.6, raise: 0.006 },
+  { id: 'field', name: 'Cross field', key: '7', side: 'left', count: segmentCount('field') / 2, width: 1.3, raise: 0.005 },
+  { id: 'seams', name: 'Seams', key: '8', side: 'left', count: segmentCount('seams'), width: 2.4, raise: 0.0055 },
+  { id: 'grid', name: 'Map, integer lines', key: '9', side: 'left', count: segmentCount('grid_u') + segmentCount('grid_v'), width: 1.5, raise: 0.004 },
+  { id: 'quality', name: 'Quality colours', key: '0', side: 'right', count: quads?.quality.length ?? 0 },
+].filter(layer => layer.count > 0);
+const layerOf = Object.fromEntries(LAYERS.map(layer => [layer.id, layer]));
+
+const PRESETS = [
+  { id: 'result', name: 'Result', layers: ['quads', 'singularities', 'features', 'boundary'], needs: ['quads'] },
+  { id: 'quality', name: 'Quality', layers: ['quads', 'quality', 'singularities'], needs: ['quality'] },
+  { id: 'map', name: 'Map', layers: ['input', 'grid', 'seams', 'features', 'boundary', 'singularities'], needs: ['input', 'grid'] },
+  { id: 'field', name: 'Field', layers: ['input', 'field', 'features', 'boundary', 'singularities'], needs: ['input', 'field'] },
+  { id: 'input', name: 'Input', layers: ['input', 'triangles', 'features', 'boundary'], needs: ['input'] },
+].filter(preset => preset.needs.every(id => layerOf[id]));
+
+const state = { shown: new Set(), theme: 'light', palette: 'usual', compare: null, preset: null };
+
+// ------------------------------------------------------------------------------------------------ vectors
+
+const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+const scale = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const length = a => Math.hypot(a[0], a[1], a[2]);
+const mix = (a, b, t) => a + (b - a) * t;
+
+// Quaternions as [x, y, z, w].
+const turn = (axis, angle) => [...scale(axis, Math.sin(angle / 2)), Math.cos(angle / 2)];
+function times(a, b) {
+  const v = add(add(scale(b, a[3]), scale(a, b[3])), cross(a, b));
+  const q = [...v, a[3] * b[3] - dot(a, b)], n = Math.hypot(...q) || 1;
+  return q.map(x => x / n);
+}
+const inverse = q => [-q[0], -q[1], -q[2], q[3]];
+function rotated(q, v) {
+  const t = scale(cross(q, v), 2);
+  return add(add(v, scale(t, q[3])), cross(q, t));
+}
+function slerp(a, b, t) {
+  let c = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+  const s = c < 0 ? -1 : 1;
+  c = Math.min(1, c * s);
+  const angle = Math.acos(c), k = Math.sin(angle);
+  const [x, y] = k < 1e-5 ? [1 - t, t] : [Math.sin((1 - t) * angle) / k, Math.sin(t * angle) / k];
+  return times(a.map((v, i) => x * v + y * s * b[i]), [0, 0, 0, 1]);
+}
+
+// ------------------------------------------------------------------------------------------------ camera
+
+const FIELD_OF_VIEW = 30 * Math.PI / 180;
+const HOME_YAW = -32, HOME_PITCH = 22, HOME_DISTANCE = 1.06 / Math.sin(FIELD_OF_VIEW / 2);
+const AXES = { x: [1, 0, 0], y: [0, 1, 0] };
+
+const facing = (yaw, pitch) => times(turn(AXES.x, pitch * Math.PI / 180), turn(AXES.y, yaw * Math.PI / 180));
+const camera = { target: [0, 0, 0], distance: HOME_DISTANCE, rotation: facing(HOME_YAW, HOME_PITCH) };
+let flight = null;
+
+const canvas = $('canvas');
+const panelSpace = () => {
+  const panel = $('panel').getBoundingClientRect();
+  return panel.width && innerWidth > 720 ? { right: innerWidth - panel.left, bottom: 0 } : { right: 0, bottom: panel.width ? innerHeight - panel.top : 0 };
+};
+
+// The view for this frame: matrices column by column, the panel's room left free.
+function currentView() {
+  const [width, height] = [canvas.clientWidth || 1, canvas.clientHeight || 1], space = panelSpace();
+  const free = [Math.max(width - space.right, 60), Math.max(height - space.bottom, 60)];
+  const focal = Math.min(free[0], free[1]) / 2 / Math.tan(FIELD_OF_VIEW / 2);   // pixels
+  const reach = length(camera.target) + 1.1;
+  const near = Math.max(camera.distance - reach, camera.distance * 0.004), far = camera.distance + reach;
+  const [sx, sy] = [2 * focal / width, 2 * focal / height];
+  const [ox, oy] = [space.right / width, -space.bottom / height];
+  const q = camera.rotation, column = axis => rotated(q, axis);
+  const t = sub([0, 0, -camera.distance], rotated(q, camera.target));
+  const view = [...column([1, 0, 0]), 0, ...column([0, 1, 0]), 0, ...column([0, 0, 1]), 0, ...t, 1];
+  const projection = [sx, 0, 0, 0, 0, sy, 0, 0, ox, oy, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0];
+  return { view, projection, width, height, focal, near, centre: [width * (1 - ox) / 2, height * (1 + oy) / 2] };
+}
+
+// The ray through a pixel of the window: origin and direction in scene units.
+function rayAt(x, y) {
+  const v = currentView(), back = inverse(camera.rotation);
+  const direction = rotated(back, [(x - v.centre[0]) / v.focal, (v.centre[1] - y) / v.focal, -1]);
+  return { origin: add(camera.target, rotated(back, [0, 0, camera.distance])), direction: scale(direction, 1 / length(direction)) };
+}
+
+function flyTo(goal, time = 320) {
+  flight = { from: { ...camera }, goal: { ...camera, ...goal }, start: performance.now(), time };
+  redraw();
+}
+
+function fly(now) {
+  if (!flight) return;
+  const t = Math.min(1, (now - flight.start) / flight.time), s = t * t * (3 - 2 * t), { from, goal } = flight;
+  camera.target = from.target.map((x, k) => mix(x, goal.target[k], s));
+  camera.distance = Math.exp(mix(Math.log(from.distance), Math.log(goal.distance), s));
+  camera.rotation = slerp(from.rotation, goal.rotation, s);
+  if (t >= 1) flight = null; else redraw();
+}
+
+const goHome = () => flyTo({ target: [0, 0, 0], distance: HOME_DISTANCE, rotation: facing(HOME_YAW, HOME_PITCH) });
+const orbit = (dx, dy) => { camera.rotation = times(times(turn(AXES.x, dy), turn(AXES.y, dx)), camera.rotation); };
+function pan(dx, dy) {
+  const perPixel = camera.distance / currentView().focal;
+  camera.target = add(camera.target, rotated(inverse(camera.rotation), [-dx * perPixel, dy * perPixel, 0]));
+}
+function zoom(factor, x, y) {
+  const v = currentView(), next = Math.min(Math.max(camera.distance * factor, 0.01), 60);
+  const shift = (camera.distance - next) / v.focal;   // keeps the point under the pointer in place
+  camera.target = add(camera.target, rotated(inverse(camera.rotation), [(x - v.centre[0]) * shift, (v.centre[1] - y) * shift, 0]));
+  camera.distance = next;
+}
+
+// ------------------------------------------------------------------------------------------------ geometry for the GPU
+
+const CREASE = Math.cos(40 * Math.PI / 180);   // sharper edges are shaded as edges
+const LARGE_FAN = 64;                          // corners with more faces are shaded flat: comparing them is quadratic
+
+// Vector area of every face, by its diagonals or sides.
+function faceNormals({ positions: p, faces, degree, count }) {
+  const out = new Float32Array(3 * count);
+  for (let f = 0; f < count; f++) {
+    const [a, b, c, d] = [0, 1, 2, degree - 1].map(k => 3 * faces[f * degree + k]);
+    const [s, t] = degree === 4 ? [[a, c], [b, d]] : [[a, b], [a, c]];
+    for (let k = 0; k < 3; k++) {
+      const i = (k + 1) % 3, j = (k + 2) % 3;
+      out[3 * f + k] = 0.5 * ((p[s[1] + i] - p[s[0] + i]) * (p[t[1] + j] - p[t[0] + j]) - (p[s[1] + j] - p[s[0] + j]) * (p[t[1] + i] - p[t[0] + i]));
+    }
+  }
+  return out;
+}
+
+// The corners around every vertex, as starts and a list.
+function cornersByVertex({ positions, faces }) {
+  const start = new Uint32Array(positions.length / 3 + 1);
+  for (const v of faces) start[v + 1]++;
+  for (let v = 1; v < start.length; v++) start[v] += start[v - 1];
+  const place = start.slice(), list = new Uint32Array(faces.length);
+  faces.forEach((v, corner) => { list[place[v]++] = corner; });
+  return { start, list };
+}
+
+// A normal per corner: the mean of the faces around its vertex that turn away by less than the crease angle.
+function cornerNormals(mesh) {
+  const { faces, degree } = mesh, area = faceNormals(mesh), { start, list } = cornersByVertex(mesh);
+  const size = Float32Array.from({ length: mesh.count }, (_, f) => Math.hypot(area[3 * f], area[3 * f + 1], area[3 * f + 2]) || 1);
+  const out = new Float32Array(3 * faces.length);
+  for (let corner = 0; corner < faces.length; corner++) {
+    const v = faces[corner], f = Math.floor(corner / degree);
+    let x = area[3 * f], y = area[3 * f + 1], z = area[3 * f + 2];
+    const [nx, ny, nz] = [x / size[f], y / size[f], z / size[f]];
+    const fan = start[v + 1] - start[v] <= LARGE_FAN ? start[v + 1] : start[v];
+    for (let i = start[v]; i < fan; i++) {
+      const g = Math.floor(list[i] / degree), [ax, ay, az] = [area[3 * g], area[3 * g + 1], area[3 * g + 2]];
+      if (g !== f && ax * nx + ay * ny + az * nz > CREASE * size[g]) { x += ax; y += ay; z += az; }
+    }
+    const n = Math.hypot(x, y, z) || 1;
+    out.set([x / n, y / n, z / n], 3 * corner);
+  }
+  return out;
+}
+
+// Triangles of a mesh with, per corner, the heights over the (up to three) sides that are edges of the face.
+//
+//   quad   d ── c      first triangle a b c: sides ab, bc     second triangle c d a: sides cd, da
+//          │  ╱ │      the diagonal ac has no height, so it is never drawn
+//          a ── b
+const QUAD_CORNERS = [[0, [0, 1, 1]], [1, [0, 0, 1]], [2, [1, 0, 1]], [2, [0, 1, 1]], [3, [0, 0, 1]], [0, [1, 0, 1]]];
+const TRIANGLE_CORNERS = [[0, [0, 1, 0]], [1, [0, 0, 1]], [2, [1, 0, 0]]];
+
+const FLOATS_PER_CORNER = 10;   // position 3, normal 3, heights 3, quality 1
+function surfaceBuffer(mesh) {
+  const { positions: p, faces, degree, count, quality } = mesh, normal = cornerNormals(mesh);
+  const corners = degree === 4 ? QUAD_CORNERS : TRIANGLE_CORNERS;
+  const data = new Float32Array(count * corners.length * FLOATS_PER_CORNER);
+  let at = 0;
+  for (let f = 0; f < count; f++) {
+    const q = quality.length ? quality[f] : NaN, shown = Number.isNaN(q) ? -2 : q;
+    for (const [k, heights] of corners) {
+      const corner = f * degree + k, v = 3 * faces[corner], n = 3 * corner;
+      data[at++] = p[v]; data[at++] = p[v + 1]; data[at++] = p[v + 2];
+      data[at++] = normal[n]; data[at++] = normal[n + 1]; data[at++] = normal[n + 2];
+      data[at++] = heights[0]; data[at++] = heights[1]; data[at++] = heights[2];
+      data[at++] = shown;
+    }
+  }
+  return data;
+}
+
+const valenceKind = valence => (valence === 3 ? 0 : valence === 5 ? 1 : 2);
+function singularityBuffer() {
+  const data = new Float32Array(4 * singular.valence.length);
+  singular.valence.forEach((valence, i) => data.set([...singular.positions.subarray(3 * i, 3 * i + 3), valenceKind(valence)], 4 * i));
+  return data;
+}
+
+// Radius of the balls: a share of the mean quad side, or of the surface where there are no quads.
+function singularityRadius() {
+  if (!quads?.count) return 0.012;
+  const { positions: p, faces } = quads, step = Math.max(1, Math.floor(quads.count / 2000));
+  let sum = 0, n = 0;
+  for (let f = 0; f < quads.count; f += step, n++) {
+    const [a, b] = [3 * faces[4 * f], 3 * faces[4 * f + 1]];
+    sum += Math.hypot(p[a] - p[b], p[a + 1] - p[b + 1], p[a + 2] - p[b + 2]);
+  }
+  return 0.3 * sum / n;
+}
+
+// ------------------------------------------------------------------------------------------------ shaders
+
+const SURFACE_VERTEX = `#version 300 es
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec3 heights;
+layout(location = 3) in float quality;
+uniform mat4 view, projection;
+out vec3 vNormal, vHeights, vEye;
+flat out float vQuality;
+void main() {
+  vec4 eye = view * vec4(position, 1.0);
+  vEye = eye.xyz; vNormal = mat3(view) * normal; vHeights = heights; vQuality = quality;
+  gl_Position = projection * eye;
+}`;
+
+const WIPE = `
+uniform vec2 wipe;   // x in pixels; +1 keeps the left, -1 the right, 0 all
+void keepSide() { if ((gl_FragCoord.x - wipe.x) * wipe.y > 0.0) discard; }`;
+
+const SURFACE_FRAGMENT = `#version 300 es
+precision highp float;
+in vec3 vNormal, vHeights, vEye;
+flat in float vQuality;
+uniform vec3 base, back, ink;
+uniform float lineWidth, lineStrength, showQuality, alpha;
+uniform vec3 stops[6];
+uniform float places[6];
+uniform vec3 inverted;
+out vec4 colour;
+${WIPE}
+vec3 qualityColour(float q) {
+  if (q <= 0.0) return inverted;
+  vec3 c = stops[0];
+  for (int k = 1; k < 6; k++) c = mix(c, stops[k], clamp((q - places[k - 1]) / (places[k] - places[k - 1]), 0.0, 1.0));
+  return c;
+}
+vec3 shade(vec3 albedo, vec3 n, vec3 toEye) {
+  float key = max(0.0, 0.5 + 0.5 * dot(n, normalize(vec3(-0.45, 0.65, 0.62))));
+  float fill = max(0.0, dot(n, normalize(vec3(0.75, -0.15, 0.5))));
+  float sky = 0.5 + 0.5 * n.y;
+  float edge = pow(1.0 - clamp(dot(n, toEye), 0.0, 1.0), 3.0);
+  float light = 0.36 + 0.56 * key * key + 0.08 * fill + 0.12 * sky;
+  vec3 tint = mix(vec3(0.90, 0.94, 1.03), vec3(1.02, 1.0, 0.975), key);
+  return albedo * light * tint * (1.0 - 0.32 * edge);
+}
+// Coverage of the pixel by the lines along the sides: screen-space distances from the heights' derivatives.
+float lines() {
+  vec3 slope = vec3(length(vec2(dFdx(vHeights.x), dFdy(vHeights.x))),
+                    length(vec2(dFdx(vHeights.y), dFdy(vHeights.y))),
+                    length(vec2(dFdx(vHeights.z), dFdy(vHeights.z))));
+  vec3 pixels = 1.0 / max(slope, vec3(1e-7));
+  vec3 covered = 1.0 - smoothstep(vec3(lineWidth - 0.55), vec3(lineWidth + 0.55), vHeights * pixels);
+  // Where faces are only a few pixels wide the lines fade, otherwise they would fill them.
+  vec3 fade = smoothstep(vec3(1.5), vec3(14.0), pixels / max(lineWidth, 0.5));
+  vec3 c = covered * mix(vec3(0.18), vec3(1.0), fade);
+  return max(c.x, max(c.y, c.z));
+}
+void main() {
+  keepSide();
+  float line = lines();
+  vec3 n = normalize(vNormal), toEye = normalize(-vEye);
+  vec3 albedo = base;
+  if (showQuality > 0.5 && vQuality > -1.5) albedo = qualityColour(vQuality);
+  if (!gl_FrontFacing) { n = -n; albedo = back; }
+  colour = vec4(mix(shade(albedo, n, toEye), ink, line * lineStrength), alpha);
+}`;
+
+const LINE_VERTEX = `#version 300 es
+layout(location = 0) in vec2 corner;      // along 0..1, across -1..1
+layout(location = 1) in vec3 from;
+layout(location = 2) in vec3 to;
+uniform mat4 view, projection;
+uniform vec2 viewport;
+uniform float width, raise, near;
+out float vAcross;
+vec3 raised(vec3 eye) { return eye * (1.0 - min(raise, 0.3 * length(eye)) / max(length(eye), 1e-6)); }
+void main() {
+  vec3 a = raised((view * vec4(from, 1.0)).xyz), b = raised((view * vec4(to, 1.0)).xyz);
+  float limit = -near * 0.9;
+  if (a.z > limit && b.z > limit) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); vAcross = 0.0; return; }
+  if (a.z > limit) a = mix(a, b, (a.z - limit) / (a.z - b.z));
+  if (b.z > limit) b = mix(b, a, (b.z - limit) / (b.z - a.z));
+  vec4 p = projection * vec4(a, 1.0), q = projection * vec4(b, 1.0);
+  vec2 along = (q.xy / q.w - p.xy / p.w) * viewport;
+  float size = length(along);
+  along = size > 1e-5 ? along / size : vec2(1.0, 0.0);
+  vec2 across = vec2(-along.y, along.x);
+  float radius = 0.5 * width + 0.75;
+  vec4 end = corner.x < 0.5 ? p : q;
+  vec2 offset = across * corner.y * radius + along * (corner.x * 2.0 - 1.0) * 0.3 * width;
+  vAcross = corner.y * radius;
+  gl_Position = end + vec4(offset * 2.0 / viewport * end.w, 0.0, 0.0);
+}`;
+
+const LINE_FRAGMENT = `#version 300 es
+precision highp float;
+in float vAcross;
+uniform vec3 base;
+uniform float width, alpha;
+out vec4 colour;
+${WIPE}
+void main() {
+  keepSide();
+  colour = vec4(base, alpha * (1.0 - smoothstep(0.5 * width - 0.5, 0.5 * width + 0.5, abs(vAcross))));
+  if (colour.a < 0.02) discard;
+}`;
+
+const BALL_VERTEX = `#version 300 es
+layout(location = 0) in vec2 corner;
+layout(location = 1) in vec4 ball;        // centre, kind
+uniform mat4 view, projection;
+uniform float radius, pixel;              // scene units; size of a pixel at distance 1
+uniform vec2 sizes;                       // smallest and largest radius, pixels
+out vec2 vPlace;
+out vec3 vCentre;
+out float vRadius;
+flat out int vKind;
+void main() {
+  vec4 eye = view * vec4(ball.xyz, 1.0);
+  float perPixel = max(-eye.z, 1e-4) * pixel;
+  vRadius = clamp(radius, sizes.x * perPixel, sizes.y * perPixel);
+  vPlace = corner * 1.08; vCentre = eye.xyz; vKind = int(ball.w + 0.5);
+  gl_Position = projection * vec4(eye.xy + vPlace * vRadius, eye.z, 1.0);
+}`;
+
+const BALL_FRAGMENT = `#version 300 es
+precision highp float;
+in vec2 vPlace;
+in vec3 vCentre;
+in float vRadius;
+flat in int vKind;
+uniform mat4 projection;
+uniform vec3 kinds[3];
+out vec4 colour;
+${WIPE}
+void main() {
+  keepSide();
+  float d = length(vPlace), soft = fwidth(d);
+  float cover = 1.0 - smoothstep(1.0 - soft, 1.0 + soft * 0.5, d);
+  if (cover < 0.03) discard;
+  vec3 n = vec3(vPlace, sqrt(max(0.0, 1.0 - d * d)));
+  vec4 clip = projection * vec4(vCentre + n * vRadius * vec3(1.0, 1.0, 1.15), 1.0);
+  gl_FragDepth = clamp(0.5 + 0.5 * clip.z / clip.w, 0.0, 1.0);
+  vec3 base = kinds[vKind];
+  float key = 0.5 + 0.5 * dot(n, normalize(vec3(-0.45, 0.65, 0.62)));
+  float gloss = pow(max(0.0, dot(n, normalize(vec3(-0.3, 0.45, 0.85)))), 28.0);
+  vec3 lit = base * (0.5 + 0.62 * key * key) + 0.32 * gloss;
+  colour = vec4(mix(lit, base * 0.35, smoothstep(0.78, 1.0, d) * 0.75), cover);
+}`;
+
+// ------------------------------------------------------------------------------------------------ drawing
+
+let gl = null, gpu = null;
+
+function program(vertex, fragment) {
+  const linked = gl.createProgram();
+  for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) throw new Error(gl.getShaderInfoLog(shader));
+    gl.attachShader(linked, shader);
+  }
+  gl.linkProgram(linked);
+  if (!gl.getProgramParameter(linked, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(linked));
+  const at = {};
+  for (let i = 0; i < gl.getProgramParameter(linked, gl.ACTIVE_UNIFORMS); i++) {
+    const name = gl.getActiveUniform(linked, i).name.replace('[0]', '');
+    at[name] = gl.getUniformLocation(linked, name);
+  }
+  return { linked, at };
+}
+
+function vertexArray(attributes) {
+  const array = gl.createVertexArray();
+  gl.bindVertexArray(array);
+  for (const { buffer, at, size, stride, offset, perInstance } of attributes) {
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.enableVertexAttribArray(at);
+    gl.vertexAttribPointer(at, size, gl.FLOAT, false, stride, offset);
+    gl.vertexAttribDivisor(at, perInstance ? 1 : 0);
+  }
+  return array;
+}
+
+function bufferOf(data) {
+  const buffer = gl.createBuffer();
+  gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+  gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+  return buffer;
+}
+
+function makeSurface(mesh) {
+  const data = surfaceBuffer(mesh), buffer = bufferOf(data), stride = 4 * FLOATS_PER_CORNER;
+  const part = (at, size, offset) => ({ buffer, at, size, stride, offset: 4 * offset });
+  return { array: vertexArray([part(0, 3, 0), part(1, 3, 3), part(2, 3, 6), part(3, 1, 9)]), count: data.length / FLOATS_PER_CORNER };
+}
+function makeLines(data) {
+  const buffer = bufferOf(data), part = (at, offset) => ({ buffer, at, size: 3, stride: 24, offset, perInstance: true });
+  const corner = { buffer: gpu.strip, at: 0, size: 2, stride: 8, offset: 0 };
+  return { array: vertexArray([corner, part(1, 0), part(2, 12)]), count: data.length / 6 };
+}
+function makeBalls() {
+  const corner = { buffer: gpu.square, at: 0, size: 2, stride: 8, offset: 0 };
+  const ball = { buffer: bufferOf(singularityBuffer()), at: 1, size: 4, stride: 16, offset: 0, perInstance: true };
+  return { array: vertexArray([corner, ball]), count: singular.valence.length, radius: singularityRadius() };
+}
+
+// Programs now, buffers when first shown.
+function startGpu() {
+  gpu = {
+    surface: program(SURFACE_VERTEX, SURFACE_FRAGMENT), line: program(LINE_VERTEX, LINE_FRAGMENT), ball: program(BALL_VERTEX, BALL_FRAGMENT),
+    strip: bufferOf(new Float32Array([0, -1, 0, 1, 1, -1, 1, 1])), square: bufferOf(new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1])), made: {},
+  };
+}
+const made = (name, make) => (gpu.made[name] ??= make());
+
+function wipeOf(layer, view, ratio) {
+  if (state.compare === null || layer.side === 'both') return [0, 0];
+  return [state.compare * view.width * ratio, layer.side === 'left' ? 1 : -1];
+}
+
+function useProgram({ linked, at }, view) {
+  gl.useProgram(linked);
+  gl.uniformMatrix4fv(at.view, false, view.view);
+  gl.uniformMatrix4fv(at.projection, false, view.projection);
+  return at;
+}
+
+// style: colour, edge lines, and whether it is a veil over the quads.
+function drawSurface(layer, mesh, view, ratio, { base, back, ink, strength, quality, alpha }) {
+  const { array, count } = made(layer.id, () => makeSurface(mesh)), at = useProgram(gpu.surface, view);
+  gl.uniform2fv(at.wipe, wipeOf(layer, view, ratio));
+  gl.uniform3fv(at.base, rgb(base));
+  gl.uniform3fv(at.back, rgb(back));
+  gl.uniform3fv(at.ink, rgb(ink));
+  gl.uniform1f(at.lineWidth, 0.62 * ratio);
+  gl.uniform1f(at.lineStrength, strength);
+  gl.uniform1f(at.showQuality, quality ? 1 : 0);
+  gl.uniform1f(at.alpha, alpha);
+  gl.uniform3fv(at.stops, QUALITY_STOPS.flatMap(([, hex]) => rgb(hex)));
+  gl.uniform1fv(at.places, QUALITY_STOPS.map(([place]) => place));
+  gl.uniform3fv(at.inverted, rgb(INVERTED));
+  gl.bindVertexArray(array);
+  gl.drawArrays(gl.TRIANGLES, 0, count);
+}
+
+function drawLines(layer, name, view, ratio, colour) {
+  if (!lines[name].length) return;
+  const { array, count } = made(name, () => makeLines(lines[name])), at = useProgram(gpu.line, view);
+  gl.uniform2fv(at.wipe, wipeOf(layer, view, ratio));
+  gl.uniform2f(at.viewport, canvas.width, canvas.height);
+  gl.uniform3fv(at.base, rgb(colour));
+  gl.uniform1f(at.width, layer.width * ratio);
+  gl.uniform1f(at.raise, layer.raise);
+  gl.uniform1f(at.near, view.near);
+  gl.uniform1f(at.alpha, 1);
+  gl.bindVertexArray(array);
+  gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+}
+
+function drawBalls(layer, view, ratio, colours) {
+  const { array, count, radius } = made('balls', makeBalls), at = useProgram(gpu.ball, view);
+  gl.uniform2fv(at.wipe, wipeOf(layer, view, ratio));
+  gl.uniform1f(at.radius, radius);
+  gl.uniform1f(at.pixel, 1 / view.focal);
+  gl.uniform2f(at.sizes, 3.4, 13);
+  gl.uniform3fv(at.kinds, colours.flatMap(rgb));
+  gl.bindVertexArray(array);
+  gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+}
+
+function draw() {
+  const ratio = Math.min(devicePixelRatio || 1, 2.5), view = currentView();
+  const [w, h] = [Math.round(view.width * ratio), Math.round(view.height * ratio)];
+  if (canvas.width !== w || canvas.height !== h) { canvas.width = w; canvas.height = h; }
+  const theme = THEMES[state.theme], palette = PALETTES[state.palette];
+  const shown = id => layerOf[id] && state.shown.has(id);
+  gl.viewport(0, 0, w, h);
+  gl.clearColor(...rgb(theme.paper), 1);
+  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  gl.enable(gl.DEPTH_TEST);
+  gl.disable(gl.BLEND);
+  // 1. Surfaces; where both are shown in the same place the input becomes a veil.
+  const inputShown = shown('input') || shown('triangles'), veil = shown('quads') && inputShown && state.compare === null;
+  const solid = { back: theme.back, ink: theme.ink, alpha: 1, quality: false };
+  if (shown('quads')) drawSurface(layerOf.quads, quads, view, ratio, { ...solid, base: theme.quads, strength: 0.92, quality: shown('quality') });
+  if (inputShown) {
+    const strength = shown('triangles') ? 0.55 : 0;
+    if (veil) { gl.enable(gl.BLEND); gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA); gl.enable(gl.CULL_FACE); gl.depthMask(false); }
+    drawSurface(layerOf.input, input, view, ratio, { ...solid, base: theme.input, ink: theme.faint, strength, alpha: veil ? 0.45 : 1 });
+    gl.disable(gl.CULL_FACE); gl.depthMask(true);
+  }
+  // 2. Lines and balls over them.
+  gl.enable(gl.BLEND);
+  gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+  if (shown('grid')) { drawLines(layerOf.grid, 'grid_u', view, ratio, palette.grid_u); drawLines(layerOf.grid, 'grid_v', view, ratio, palette.grid_v); }
+  for (const id of ['field', 'seams', 'boundary', 'features']) if (shown(id)) drawLines(layerOf[id], id, view, ratio, palette[id]);
+  if (shown('singularities')) drawBalls(layerOf.singularities, view, ratio, [palette.valence3, palette.valence5, palette.valenceOther]);
+}
+
+let asked = false;
+function redraw() {
+  if (asked) return;
+  asked = true;
+  requestAnimationFrame(now => {
+    asked = false;
+    fly(now);
+    if (gl && !gl.isContextLost()) draw();
+    document.documentElement.dataset.ready = 'yes';
+  });
+}
+
+// ------------------------------------------------------------------------------------------------ picking
+
+// Nearest face hit by a ray: { t, face } or null (Möller and Trumbore).
+function hit(mesh, { origin, direction }) {
+  const { positions: p, faces, degree, count } = mesh, fan = degree === 4 ? [[0, 1, 2], [2, 3, 0]] : [[0, 1, 2]];
+  const at = i => [p[3 * i], p[3 * i + 1], p[3 * i + 2]];
+  let best = null;
+  for (let face = 0; face < count; face++) {
+    for (const [i, j, k] of fan) {
+      const a = at(faces[degree * face + i]), e = sub(at(faces[degree * face + j]), a), g = sub(at(faces[degree * face + k]), a);
+      const n = cross(direction, g), det = dot(e, n);
+      if (Math.abs(det) < 1e-20) continue;
+      const s = sub(origin, a), u = dot(s, n) / det, m = cross(s, e), v = dot(direction, m) / det, t = dot(g, m) / det;
+      if (u >= 0 && v >= 0 && u + v <= 1 && t > 0 && (!best || t < best.t)) best = { t, face };
+    }
+  }
+  return best;
+}
+
+function focusAt(x, y) {
+  const useQuads = quads && (state.shown.has('quads') && !(state.compare !== null && input && x < state.compare * innerWidth));
+  const mesh = useQuads ? quads : input ?? quads;
+  if (!mesh) return;
+  const ray = rayAt(x, y), found = hit(mesh, ray);
+  if (!found) return goHome();
+  const target = add(ray.origin, scale(ray.direction, found.t));
+  flyTo({ target, distance: Math.min(camera.distance, Math.max(0.35 * camera.distance, 0.4)) });
+  const place = target.map((c, k) => shortNumber(packed.centre[k] + c * packed.unit)).join(', ');
+  const quality = mesh.quality.length ? `, scaled Jacobian ${shortNumber(mesh.quality[found.face])}` : '';
+  $('status').textContent = `${mesh === quads ? 'quad' : 'triangle'} ${found.face} at (${place})${quality}`;
+}
+
+// ------------------------------------------------------------------------------------------------ panel
+
+const shortNumber = x => (x === 0 ? '0' : Math.abs(x) >= 1e6 || Math.abs(x) < 1e-4 ? x.toExponential(3) : String(Number(x.toPrecision(4))));
+const grouped = n => n.toLocaleString('en').replaceAll(',', '\u202f');
+
+function element(name, { text, ...attributes } = {}, ...children) {
+  const made = document.createElement(name);
+  if (text !== undefined) made.textContent = text;
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children);
+  return made;
+}
+function drawing(name, attributes = {}, ...children) {
+  const made = document.createElementNS('http://www.w3.org/2000/svg', name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children);
+  return made;
+}
+
+function buildLayers() {
+  for (const layer of LAYERS) {
+    const box = element('input', { type: 'checkbox', 'data-layer': layer.id });
+    box.addEventListener('change', () => setLayer(layer.id, box.checked));
+    const swatch = element('span', { class: layer.width ? 'swatch line' : 'swatch' });
+    const label = element('label', {}, box, swatch, element('span', { class: 'name', text: layer.name }),
+      element('span', { class: 'count', text: layer.id === 'quality' || layer.id === 'triangles' || layer.width ? '' : grouped(layer.count) }),
+      element('kbd', { text: layer.key }));
+    Object.assign(layer, { box, swatch });
+    $('layers').append(element('li', {}, label));
+  }
+  for (const preset of PRESETS.length > 1 ? PRESETS : []) {
+    preset.button = element('button', { text: preset.name, 'data-preset': preset.id });
+    preset.button.addEventListener('click', () => setPreset(preset.id));
+    $('presets').append(preset.button);
+  }
+  $('presets').hidden = PRESETS.length < 2;
+}
+
+function swatchColour(id) {
+  const palette = PALETTES[state.palette], theme = THEMES[state.theme];
+  if (id === 'grid') return `linear-gradient(90deg, ${palette.grid_u} 50%, ${palette.grid_v} 50%)`;
+  if (id === 'singularities') return `linear-gradient(135deg, ${palette.valence3} 50%, ${palette.valence5} 50%)`;
+  if (id === 'quality') return 'linear-gradient(135deg, #7fb3d3 30%, #fde68a 55%, #c2410c 85%)';
+  if (id === 'triangles') return `repeating-linear-gradient(45deg, ${theme.input} 0 3px, ${theme.faint} 3px 4px)`;
+  if (id === 'quads') return `linear-gradient(${theme.ink} 0 0) center / 1px 100% no-repeat, linear-gradient(${theme.ink} 0 0) center / 100% 1px no-repeat, ${theme.quads}`;
+  return palette[id] ?? theme[id];
+}
+
+function buildValenceLegend() {
+  const count = new Map();
+  for (const valence of singular.valence) count.set(valence, (count.get(valence) ?? 0) + 1);
+  const rows = [...count.keys()].sort((a, b) => a - b).map(valence => {
+    const dot = element('i', { 'data-kind': valenceKind(valence) });
+    return element('li', { title: `${count.get(valence)} vertices where ${valence} quads meet` }, dot,
+      element('span', { text: `valence ${valence}` }), element('b', { text: grouped(count.get(valence)) }));
+  });
+  $('valence-legend').replaceChildren(...rows);
+  $('valence').hidden = rows.length === 0;
+}
+
+function buildQualityLegend() {
+  const css = QUALITY_STOPS.map(([at, hex]) => `${hex} ${100 * at}%`).join(', ');
+  $('quality-bar').style.background = `linear-gradient(90deg, ${css})`;
+  for (const at of [0, 0.4, 0.7, 0.88, 1]) {
+    $('quality-ticks').append(element('span', { text: at === 0 ? '≤ 0 inverted' : String(at), style: `left: ${100 * at}%` }));
+  }
+}
+
+const CHART = { width: 254, height: 52, foot: 14 };
+function buildHistogram({ title, unit, low, high, counts, mark, summary }) {
+  const { width, height, foot } = CHART, most = Math.max(1, ...counts), step = width / counts.length;
+  const svg = drawing('svg', { viewBox: `0 0 ${width} ${height + foot}`, role: 'img', 'aria-label': title });
+  const total = counts.reduce((a, b) => a + b, 0) || 1;
+  counts.forEach((n, k) => {
+    const [from, to] = [k, k + 1].map(i => low + i * (high - low) / counts.length), tall = n ? Math.max(1, n / most * height) : 0;
+    const note = drawing('title');
+    note.textContent = `${shortNumber(from)} – ${shortNumber(to)}${unit}: ${grouped(n)} (${(100 * n / total).toFixed(1)} %)`;
+    const bar = drawing('rect', { class: 'bar', x: k * step + 0.4, y: height - tall, width: Math.max(step - 0.8, 0.5), height: tall, rx: 0.8 });
+    svg.append(drawing('g', {}, note, drawing('rect', { class: 'hit', x: k * step, y: 0, width: step, height }), bar));
+  });
+  const write = (x, anchor, text, kind = '') => {
+    const label = drawing('text', { x, y: height + foot - 3, 'text-anchor': anchor, class: kind });
+    label.textContent = text;
+    svg.append(label);
+  };
+  svg.append(drawing('line', { class: 'axis', x1: 0, x2: width, y1: height + 0.5, y2: height + 0.5 }));
+  write(0, 'start', shortNumber(low) + unit);
+  const place = mark === null ? -1 : (mark - low) / (high - low) * width, inside = place > 24 && place < width - 24;
+  if (place >= 0 && place <= width) svg.append(drawing('line', { class: 'mark', x1: place, x2: place, y1: -2, y2: height + 3 }));
+  if (inside) write(place, 'middle', shortNumber(mark) + unit, 'marked');
+  write(width, 'end', shortNumber(high) + unit);
+  const figures = summary ? `${shortNumber(summary[0])} · mean ${shortNumber(summary[1])} · ${shortNumber(summary[2])}` : 'no values';
+  const head = element('div', { class: 'head' }, element('h3', { text: title }), element('span', { text: figures, title: 'smallest, mean, largest' }));
+  return element('div', { class: 'histogram' }, head, svg);
+}
+
+function buildPanel() {
+  const parts = [quads && `${grouped(quads.count)} quads`, input && `${grouped(input.count)} input triangles`];
+  $('subtitle').textContent = parts.filter(Boolean).join(' · ');
+  buildLayers();
+  buildValenceLegend();
+  buildQualityLegend();
+  $('histograms').append(...packed.histograms.map(buildHistogram));
+  const rows = packed.statistics.map(([name, value]) => element('tr', {}, element('td', { text: name }), element('td', { text: value })));
+  $('statistics').hidden = rows.length === 0;
+  $('statistics').querySelector('tbody').append(...rows);
+  $('tool-compare').hidden = !(quads && input);
+}
+
+const HINT = 'drag to turn · right-drag to move · wheel to zoom · double-click to look closer · ? for keys';
+
+// Makes the panel agree with the state.
+function refresh() {
+  const root = document.documentElement, palette = PALETTES[state.palette];
+  root.dataset.theme = state.theme;
+  for (const layer of LAYERS) {
+    layer.box.checked = state.shown.has(layer.id);
+    layer.swatch.style.background = swatchColour(layer.id);
+  }
+  const same = preset => preset.layers.filter(id => layerOf[id]).length === state.shown.size && preset.layers.every(id => !layerOf[id] || state.shown.has(id));
+  for (const preset of PRESETS) preset.button?.setAttribute('aria-pressed', String(state.compare === null && same(preset)));
+  const kinds = [palette.valence3, palette.valence5, palette.valenceOther];
+  for (const dot of $('valence-legend').querySelectorAll('i')) dot.style.background = kinds[dot.dataset.kind];
+  $('quality').hidden = !state.shown.has('quality');
+  for (const [id, on] of [['compare', state.compare !== null], ['palette', state.palette === 'safe'], ['theme', state.theme === 'dark'], ['panel', root.dataset.panel !== 'off']]) {
+    $(`tool-${id}`).setAttribute('aria-pressed', String(on));
+  }
+  for (const id of ['divider', 'side-left', 'side-right']) {
+    $(id).hidden = state.compare === null;
+    $(id).style.left = `${100 * (state.compare ?? 0)}%`;
+  }
+  redraw();
+}
+
+// ------------------------------------------------------------------------------------------------ actions
+
+function setLayer(id, on = !state.shown.has(id)) {
+  if (!layerOf[id]) return;
+  if (on) state.shown.add(id); else state.shown.delete(id);
+  if (on && id === 'quality') state.shown.add('quads');
+  refresh();
+}
+function setPreset(id) {
+  const preset = PRESETS.find(p => p.id === id);
+  if (!preset) return;
+  state.compare = null;
+  state.shown = new Set(preset.layers.filter(layer => layerOf[layer]));
+  refresh();
+}
+function nextPreset() {
+  const now = PRESETS.findIndex(p => p.button?.getAttribute('aria-pressed') === 'true');
+  if (PRESETS.length) setPreset(PRESETS[(now + 1) % PRESETS.length].id);
+}
+function setCompare(at) {
+  if (!(quads && input)) return;
+  state.compare = at === null ? null : Math.min(Math.max(at, 0.02), 0.98);
+  if (at !== null) for (const id of ['quads', 'input']) state.shown.add(id); else state.shown.delete('input');
+  refresh();
+}
+const toggleCompare = () => setCompare(state.compare === null ? currentView().centre[0] / innerWidth : null);
+const togglePalette = () => { state.palette = state.palette === 'usual' ? 'safe' : 'usual'; refresh(); };
+const toggleTheme = () => { state.theme = state.theme === 'light' ? 'dark' : 'light'; refresh(); };
+function togglePanel() {
+  const root = document.documentElement;
+  root.dataset.panel = root.dataset.panel === 'off' ? 'on' : 'off';
+  refresh();
+}
+function savePicture() {
+  draw();
+  canvas.toBlob(blob => {
+    const link = element('a', { href: URL.createObjectURL(blob), download: `${packed.title.replace(/[^\p{L}\p{N}]+/gu, '-') || 'quadloom'}.png` });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  });
+}
+function lookAlong(axis) {
+  const views = { x: [facing(-90, 0), facing(90, 0)], y: [facing(0, 90), facing(0, -90)], z: [facing(0, 0), facing(180, 0)] }[axis];
+  const close = (a, b) => Math.abs(a.reduce((s, x, i) => s + x * b[i], 0)) > 0.9999;
+  flyTo({ rotation: close(camera.rotation, views[0]) ? views[1] : views[0] });
+}
+
+const STEP = 8 * Math.PI / 180;
+const KEYS = {
+  w: toggleCompare, c: togglePalette, t: toggleTheme, r: goHome, s: savePicture, h: togglePanel, v: nextPreset,
+  x: () => lookAlong('x'), y: () => lookAlong('y'), z: () => lookAlong('z'), '?': () => $('help').showModal(),
+  '+': () => zoom(1 / 1.15, ...currentView().centre), '=': () => zoom(1 / 1.15, ...currentView().centre), '-': () => zoom(1.15, ...currentView().centre),
+  arrowleft: () => orbit(-STEP, 0), arrowright: () => orbit(STEP, 0), arrowup: () => orbit(0, -STEP), arrowdown: () => orbit(0, STEP),
+};
+
+function listenToKeys() {
+  addEventListener('keydown', event => {
+    if (event.ctrlKey || event.metaKey || event.altKey || $('help').open) return;
+    const layer = LAYERS.find(l => l.key === event.key), action = KEYS[event.key.toLowerCase()];
+    if (!layer && !action) return;
+    event.preventDefault();
+    if (layer) setLayer(layer.id); else { flight = null; action(); redraw(); }
+  });
+}
+
+// One pointer turns (or moves, with Shift or another button); two move and zoom.
+function listenToPointers() {
+  const down = new Map();
+  const middle = () => { const all = [...down.values()]; return [all.reduce((s, p) => s + p.x, 0) / all.length, all.reduce((s, p) => s + p.y, 0) / all.length]; };
+  const spread = () => { const [a, b] = [...down.values()]; return b ? Math.hypot(a.x - b.x, a.y - b.y) : 0; };
+  canvas.addEventListener('pointerdown', event => {
+    canvas.setPointerCapture(event.pointerId);
+    down.set(event.pointerId, { x: event.clientX, y: event.clientY, moves: event.button !== 0 || event.shiftKey });
+    canvas.classList.add('dragging');
+    flight = null;
+  });
+  canvas.addEventListener('pointermove', event => {
+    const finger = down.get(event.pointerId);
+    if (!finger) return;
+    const [x, y] = middle(), wide = spread();
+    finger.x = event.clientX; finger.y = event.clientY;
+    const [nx, ny] = middle(), [dx, dy] = [nx - x, ny - y];
+    if (down.size > 1) { pan(dx, dy); if (wide > 0 && spread() > 0) zoom(wide / spread(), nx, ny); }
+    else if (finger.moves) pan(dx, dy);
+    else orbit(dx * 0.0085, dy * 0.0085);
+    redraw();
+  });
+  for (const end of ['pointerup', 'pointercancel']) {
+    canvas.addEventListener(end, event => { down.delete(event.pointerId); if (!down.size) canvas.classList.remove('dragging'); });
+  }
+  canvas.addEventListener('contextmenu', event => event.preventDefault());
+  canvas.addEventListener('dblclick', event => focusAt(event.clientX, event.clientY));
+  canvas.addEventListener('wheel', event => {
+    event.preventDefault();
+    flight = null;
+    const pixels = event.deltaY * (event.deltaMode === 1 ? 16 : event.deltaMode === 2 ? 400 : 1);
+    zoom(Math.exp(Math.min(Math.max(pixels, -240), 240) * 0.0016), event.clientX, event.clientY);
+    redraw();
+  }, { passive: false });
+}
+
+function listenToTools() {
+  const tools = { compare: toggleCompare, palette: togglePalette, theme: toggleTheme, home: goHome, picture: savePicture, help: () => $('help').showModal(), panel: togglePanel };
+  for (const [id, action] of Object.entries(tools)) $(`tool-${id}`).addEventListener('click', action);
+  const divider = $('divider');
+  divider.addEventListener('pointerdown', event => { divider.setPointerCapture(event.pointerId); event.preventDefault(); });
+  divider.addEventListener('pointermove', event => { if (divider.hasPointerCapture(event.pointerId)) setCompare(event.clientX / innerWidth); });
+  addEventListener('resize', redraw);
+}
+
+// ------------------------------------------------------------------------------------------------ start
+
+function readAddress() {
+  const asked = new URLSearchParams(location.hash.slice(1)), number = (name, usual) => (asked.has(name) && Number.isFinite(+asked.get(name)) ? +asked.get(name) : usual);
+  if (asked.get('theme') in THEMES) state.theme = asked.get('theme');
+  if (asked.get('palette') in PALETTES) state.palette = asked.get('palette');
+  if (asked.get('panel') === 'off') document.documentElement.dataset.panel = 'off';
+  setPreset((PRESETS.find(p => p.id === asked.get('preset')) ?? PRESETS[0])?.id);
+  if (!PRESETS.length) state.shown = new Set(LAYERS.map(l => l.id));
+  if (asked.has('layers')) state.shown = new Set(asked.get('layers').split(',').filter(id => layerOf[id]));
+  if (asked.has('compare')) setCompare(number('compare', 0.5));
+  camera.rotation = facing(number('yaw', HOME_YAW), number('pitch', HOME_PITCH));
+  camera.distance = HOME_DISTANCE / Math.min(Math.max(number('zoom', 1), 0.02), 100);
+}
+
+function fail(message) {
+  $('failure').textContent = message;
+  $('failure').hidden = false;
+}
+
+buildPanel();
+readAddress();
+listenToKeys();
+listenToPointers();
+listenToTools();
+$('status').textContent = HINT;
+gl = canvas.getContext('webgl2', { antialias: true, alpha: false, powerPreference: 'high-performance' });
+if (gl) {
+  canvas.addEventListener('webglcontextlost', event => event.preventDefault());
+  canvas.addEventListener('webglcontextrestored', () => { startGpu(); redraw(); });
+  startGpu();
+} else {
+  fail('This browser offers no WebGL2, so the surface cannot be drawn. The figures beside are complete.');
+}
+refresh();
+
+window.quadloom = {
+  layers: LAYERS.map(l => l.id), presets: PRESETS.map(p => p.id), camera,
+  shown: () => [...state.shown], setLayer, setPreset, setCompare, focusAt, redraw,
+};
+})();
