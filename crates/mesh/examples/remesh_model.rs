@@ -1,4 +1,4 @@
-//! Remeshes OBJ files and prints what came out: `remesh_model [--quads N] [--sharp DEGREES] [--out DIR] FILE…`.
+//! Remeshes OBJ files and prints what came out: `remesh_model [--quads N] [--sharp DEGREES] [--verbose] [--out DIR] FILE…`.
 //!
 //! The target edge length is 0.55·√(area / N): the edge of a work mesh for N quads.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
@@ -13,6 +13,7 @@ use std::time::Instant;
 struct Arguments {
     quads: f64,
     sharp: f64,
+    verbose: bool,
     out: Option<PathBuf>,
     files: Vec<PathBuf>,
 }
@@ -31,13 +32,14 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn arguments() -> Result<Arguments, Box<dyn Error>> {
-    let mut found = Arguments { quads: 4000.0, sharp: 35.0, out: None, files: Vec::new() };
+    let mut found = Arguments { quads: 4000.0, sharp: 35.0, verbose: false, out: None, files: Vec::new() };
     let mut rest = std::env::args().skip(1);
     while let Some(argument) = rest.next() {
         let mut value = || rest.next().ok_or("an option lacks its value");
         match argument.as_str() {
             "--quads" => found.quads = value()?.parse()?,
             "--sharp" => found.sharp = value()?.parse()?,
+            "--verbose" => found.verbose = true,
             "--out" => found.out = Some(value()?.into()),
             _ => found.files.push(argument.into()),
         }
@@ -57,17 +59,10 @@ fn run(file: &Path, arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
     let seconds = start.elapsed().as_secs_f64();
     let problems = problems(&mesh, &features, &result);
     let report = &result.report;
-    if std::env::var_os("REMESH_VERBOSE").is_some() {
-        let on = features.feature_vertices(&mesh).values().iter().filter(|&&on| on).count();
-        let corners = features.is_corner.values().iter().filter(|&&on| on).count();
-        let length = quadloom_mesh::metric::edge_lengths(&mesh);
-        let flat = quadloom_mesh::metric::corner_angles(&mesh, &length)
-            .values()
-            .iter()
-            .filter(|a| a.to_degrees() < 5.0)
-            .count();
+    if arguments.verbose {
+        let vertices = features.feature_vertices(&mesh).values().iter().filter(|&&on| on).count();
         println!(
-            "  {report:?}\n  chains {}, vertices on them {on} of {}, corners {corners}, input angles below 5 {flat}",
+            "  {} chains through {vertices} of {} vertices; {report:?}",
             features.chains.len(),
             mesh.vertex_count()
         );
@@ -125,11 +120,13 @@ fn problems(mesh: &TriMesh, features: &FeatureGraph, result: &Remeshed) -> Vec<S
     expect(bridges == 0, "bridges");
     let flat = new.faces().filter(|&f| new.vector_area(f).length() <= 0.0).count();
     expect(flat == 0, "zero areas");
+    // Normals of the input at the vertices that lie on no curve, where it has one.
     let turned = new
         .faces()
         .filter(|&f| {
-            let normal: DVec3 = new.face_vertices(f).iter().map(|&v| mesh.face_normal(result.origin[v].face)).sum();
-            new.face_normal(f).dot(normal.normalize_or_zero()) < -0.2
+            let free = new.face_vertices(f).into_iter().filter(|&v| !on[v] && !new.is_boundary_vertex(v));
+            let normal: DVec3 = free.map(|v| mesh.face_normal(result.origin[v].face)).sum();
+            new.face_normal(f).dot(normal) < 0.0
         })
         .count();
     expect(turned == 0, &format!("{turned} turned"));
@@ -149,7 +146,7 @@ fn mean_edge(mesh: &TriMesh) -> f64 {
     length.values().iter().sum::<f64>() / length.len().max(1) as f64
 }
 
-/// Largest distance of the input's vertices from the nearest vertex-centred samples of the new mesh's faces.
+/// Largest distance of the input's vertices from the new mesh.
 fn deviation(mesh: &TriMesh, new: &TriMesh) -> f64 {
     let index = quadloom_mesh::closest::ClosestPoint::new(new);
     mesh.positions().values().iter().map(|&p| index.query(p).distance).fold(0.0, f64::max)

@@ -15,7 +15,8 @@ impl Remesher<'_> {
     pub(super) fn finish(mut self, features: &FeatureGraph) -> Result<Remeshed, MeshError> {
         self.work.compact();
         let positions = self.work.vertices.iter().map(|v| v.position).collect();
-        let mesh = TriMesh::new(positions, self.work.origin.as_chunks::<3>().0)?;
+        let faces: Vec<[u32; 3]> = self.work.origin.chunks_exact(3).map(|f| [f[0], f[1], f[2]]).collect();
+        let mesh = TriMesh::new(positions, &faces)?;
         let origin = VertexMap::from_fn(mesh.vertex_count(), |v| self.surface_point(v.0));
         let features = self.feature_graph(&mesh, features);
         let report = self.report(&mesh);

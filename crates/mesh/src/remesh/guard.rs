@@ -127,12 +127,6 @@ impl Work {
         worst_new >= limits.min_quality.min(worst_old)
     }
 
-    /// Smallest quality of the faces at `v`.
-    #[cfg(test)]
-    pub fn worst_quality(&self, v: u32) -> f64 {
-        self.ring(v).map(|h| Shape::of(self.corners(h)).quality).fold(f64::INFINITY, f64::min)
-    }
-
     /// Distance of the point `p` from the faces at `v` as they would be with `v` at `place`, without those touching
     /// `other`.
     pub fn distance_to_fan(&self, v: u32, place: DVec3, other: u32, p: DVec3) -> f64 {

@@ -157,7 +157,8 @@ pub fn isotropic(
     remesher.adapt_sizes();
     remesher.flip_edges(Goal::Angle)?;
     remesher.separate_features()?;
-    // 3. Rounds.
+    remesher.refine_coarse()?;
+    // 3.
     for round in 0..options.rounds {
         progress.report("remesh", (round as f64 + 1.0) / (options.rounds as f64 + 1.0));
         remesher.round(round)?;

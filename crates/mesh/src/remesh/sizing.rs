@@ -51,8 +51,10 @@ impl Remesher<'_> {
         if sag * target <= 1e-9 * length {
             return f64::INFINITY;
         }
-        // Height grows with the square of the length.
-        length * (self.limits.max_deviation / sag).sqrt()
+        // On a curved surface the height grows with the square of the length. Where it is below the limit, the edge may
+        // as well cross a crease, over which it grows with the length only: that is the milder bound.
+        let room = self.limits.max_deviation / sag;
+        length * room.max(room.sqrt())
     }
 
     /// Length of the edges that fill the gap between two curves with well-shaped triangles, if `h` spans one.

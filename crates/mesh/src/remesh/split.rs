@@ -6,6 +6,7 @@
 
 use super::Remesher;
 use super::collapse::LONG;
+use super::flip::Goal;
 use super::guard::Shape;
 use super::work::{NONE, Role, Segment, Vertex, next, prev};
 use crate::progress::Cancelled;
@@ -14,25 +15,46 @@ use crate::progress::Cancelled;
 const MAX_SWEEPS: usize = 40;
 
 impl Remesher<'_> {
+    /// Brings edges of coarse input within twice the split limit, halving the longest ones level by level.
+    ///
+    /// Each level collapses what came out short: the midpoints of a row of needles would multiply otherwise.
+    pub(super) fn refine_coarse(&mut self) -> Result<(), Cancelled> {
+        for _ in 0..MAX_SWEEPS {
+            let longest = self.work.edges().map(|h| self.work.ratio(h)).fold(0.0, f64::max);
+            if longest <= 2.0 * LONG || !self.split_sweep(0.5 * longest)? {
+                break;
+            }
+            self.collapse_short()?;
+            self.work.compact();
+            self.flip_edges(Goal::Angle)?;
+        }
+        Ok(())
+    }
+
     /// Splits long edges, longest first, until there is none; edges that cannot be split without a fold stay.
     pub(super) fn split_long(&mut self) -> Result<(), Cancelled> {
         for _ in 0..MAX_SWEEPS {
-            let mut long: Vec<(f64, u32)> =
-                self.work.edges().map(|h| (self.work.ratio(h), h)).filter(|&(ratio, _)| ratio > LONG).collect();
-            long.sort_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
-            let mut changed = false;
-            for (ratio, h) in long {
-                self.tick()?;
-                // A split moves half-edge ids to other edges: what is met may be another edge, in its turn later.
-                if self.work.ratio(h) >= 0.75 * ratio && !self.beside_longer(h) {
-                    changed |= self.split_edge(h).is_some();
-                }
-            }
-            if !changed {
+            if !self.split_sweep(LONG)? {
                 break;
             }
         }
         Ok(())
+    }
+
+    /// Splits the edges longer than `limit` times the target that there are now, longest first; says if one was split.
+    fn split_sweep(&mut self, limit: f64) -> Result<bool, Cancelled> {
+        let mut long: Vec<(f64, u32)> =
+            self.work.edges().map(|h| (self.work.ratio(h), h)).filter(|&(ratio, _)| ratio > limit).collect();
+        long.sort_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
+        let mut changed = false;
+        for (ratio, h) in long {
+            self.tick()?;
+            // A split moves half-edge ids to other edges: what is met may be another edge, in its turn later.
+            if self.work.ratio(h) >= 0.75 * ratio && !self.beside_longer(h) {
+                changed |= self.split_edge(h).is_some();
+            }
+        }
+        Ok(changed)
     }
 
     /// Whether a face of `h` has a longer side that is too long as well: it has refused to be split, and splitting `h`
@@ -52,13 +74,16 @@ impl Remesher<'_> {
                 self.split_face(f);
             }
         }
-        for h in 0..self.work.origin.len() as u32 {
+        // Splits hand edges on to new half-edges, so that those are gone through as well.
+        let mut h = 0;
+        while (h as usize) < self.work.origin.len() {
             self.tick()?;
             let work = &self.work;
             let inner = work.alive(h) && h < work.twin(h) && work.seg(h) == NONE;
             if inner && work.on_feature(work.org(h)) && work.on_feature(work.tgt(h)) {
                 self.split_edge(h);
             }
+            h += 1;
         }
         Ok(())
     }
