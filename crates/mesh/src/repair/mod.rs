@@ -271,12 +271,10 @@ fn compact(draft: &Draft) -> Result<(TriMesh, Vec<Option<u32>>), MeshError> {
         new_id[v as usize] = 0;
     }
     let (mut positions, mut origin) = (Vec::new(), Vec::new());
-    for v in 0..draft.positions.len() {
-        if new_id[v] == 0 {
-            new_id[v] = positions.len() as u32;
-            positions.push(draft.positions[v]);
-            origin.push(draft.origin[v]);
-        }
+    for (v, id) in new_id.iter_mut().enumerate().filter(|(_, id)| **id == 0) {
+        *id = positions.len() as u32;
+        positions.push(draft.positions[v]);
+        origin.push(draft.origin[v]);
     }
     let faces: Vec<[u32; 3]> = draft.faces.iter().map(|f| f.map(|v| new_id[v as usize])).collect();
     Ok((TriMesh::new(positions, &faces)?, origin))
