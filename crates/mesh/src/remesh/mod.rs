@@ -131,16 +131,16 @@ struct Remesher<'a> {
 /// Remeshes a surface isotropically, keeping topology and features.
 ///
 /// # Input      mesh: any; features: its chains and corners, boundaries are kept whether or not they are features;
-///              size: target edge length, positive, file units
+/// size: target edge length, positive, file units
 /// # Output     the new mesh, its features (chain i is chain i of the input, corners are exact), where its vertices lie
-///              on the input, a report
+/// on the input, a report
 /// # Errors     [`Cancelled`]
 /// # Cost       near-linear in the larger of input and output; about 10 µs a triangle of either
 /// # Guarantees topology, corners, chains; chain vertices lie on the input's chains, other vertices on its surface
-///              except where that would fold a face; no face turns by more than 60° from the input; the same result
-///              for the same input
+/// except where that would fold a face; no face turns by more than 60° from the input; the same result
+/// for the same input
 /// # Source     Botsch, Kobbelt (2004) §4; differs: decimation first, curves by arc length, sizes lowered where
-///              curvature or gaps need it
+/// curvature or gaps need it
 pub fn isotropic(
     mesh: &TriMesh,
     features: &FeatureGraph,
