@@ -2,8 +2,9 @@
 //!
 //! In: a [`FaceSoup`]. Out: [`Inspection`]. Holds: nothing is repaired; every defect names an element and a cure.
 
-use crate::measure::{irregular, quality, surface_report};
-use crate::report::{IrregularReport, QualityReport, SurfaceReport};
+use crate::measure::surface_report;
+use crate::report::SurfaceReport;
+use quadloom_extract::{IrregularVertices, QuadQuality, QualitySummary};
 use quadloom_mesh::{Defect, FaceSoup, MeshError, PolygonMesh, QuadMesh, Summary};
 use serde::Serialize;
 
@@ -19,9 +20,9 @@ pub struct Inspection {
     /// Counts, topology and size; `None` with defects.
     pub surface: Option<SurfaceReport>,
     /// Irregular vertices, if all faces are quads and there is no defect.
-    pub irregular: Option<IrregularReport>,
+    pub irregular: Option<IrregularVertices>,
     /// Shapes, if all faces are quads and there is no defect.
-    pub quality: Option<QualityReport>,
+    pub quality: Option<QualitySummary>,
 }
 
 /// Defects of one kind.
@@ -60,8 +61,8 @@ pub fn inspect(soup: &FaceSoup) -> Inspection {
         }
     }
     if let Some(Ok(quads)) = as_quads(soup) {
-        inspection.irregular = Some(irregular(&quads));
-        inspection.quality = Some(quality(&quads, &[]));
+        inspection.irregular = Some(IrregularVertices::of(&quads));
+        inspection.quality = Some(QuadQuality::of(&quads).summary());
     }
     inspection
 }

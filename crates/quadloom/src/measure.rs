@@ -4,71 +4,38 @@
 //! back, not on what stages say.
 
 use crate::part::Part;
-use crate::report::{FeatureReport, FieldSummary, IrregularReport, MapSummary, QualityReport, SurfaceReport};
-use crate::view::scaled_jacobian;
-use quadloom_extract::Placement;
+use crate::report::{FeatureReport, FieldSummary, MapSummary, SurfaceReport};
+use quadloom_extract::{Deviation, Distances};
 use quadloom_field::Transport;
-use quadloom_mesh::{DVec3, FaceShape, Mesh, QuadMesh, Summary};
+use quadloom_mesh::{FaceShape, Mesh, Summary, TriMesh};
 
 /// Counts and size of a mesh.
 pub fn surface_report<S: FaceShape>(mesh: &Mesh<S>) -> SurfaceReport {
     SurfaceReport { summary: Summary::of(mesh), area: mesh.area(), diagonal: mesh.diagonal() }
 }
 
-/// Irregular vertices by valence.
-pub fn irregular(quads: &QuadMesh) -> IrregularReport {
-    let mut report = IrregularReport::default();
-    for v in quads.vertices() {
-        if quads.is_boundary_vertex(v) {
-            report.boundary += usize::from(quads.outgoing(v).count() != 2);
-        } else if quads.valence(v) != 4 {
-            *report.by_valence.entry(quads.valence(v)).or_default() += 1;
-            report.interior += 1;
+/// Distances over all parts, percent of the whole's diagonal; means are weighted by area.
+pub fn distances(parts: &[Part], input: &TriMesh) -> Option<Distances> {
+    let whole = input.diagonal();
+    let measured: Vec<(Distances, f64, f64)> =
+        parts.iter().map(|p| Some((p.distances?, p.diagonal / whole, p.area / input.area()))).collect::<Option<_>>()?;
+    let joined = |pick: &dyn Fn(&Distances) -> Option<Deviation>| {
+        let mut total = 0.0;
+        let mut all = Deviation::default();
+        for (distances, scale, weight) in &measured {
+            if let Some(deviation) = pick(distances) {
+                total += weight;
+                all.mean += weight * scale * deviation.mean;
+                all.max = all.max.max(scale * deviation.max);
+            }
         }
-    }
-    report
-}
-
-/// Shapes of quads.
-///
-/// # Source     scaled Jacobian after [Knupp2000], the worst of a quad's corners
-pub fn quality(quads: &QuadMesh, parts: &[Part]) -> QualityReport {
-    let mut report = QualityReport { scaled_jacobian_min: f64::INFINITY, ..QualityReport::default() };
-    let (mut jacobians, mut angles) = (0.0, 0.0);
-    for f in quads.faces() {
-        let corner = quads.face_vertices(f).map(|v| quads.position(v));
-        let jacobian = scaled_jacobian(corner);
-        jacobians += jacobian;
-        report.scaled_jacobian_min = report.scaled_jacobian_min.min(jacobian);
-        report.inverted += usize::from(jacobian <= 0.0);
-        for deviation in right_angle_deviations(corner) {
-            angles += deviation;
-            report.angle_max = report.angle_max.max(deviation);
-        }
-    }
-    let count = quads.face_count().max(1) as f64;
-    report.scaled_jacobian_mean = jacobians / count;
-    report.angle_mean = angles / (4.0 * count);
-    let length: Vec<f64> = quads
-        .edges()
-        .map(|e| {
-            let [a, b] = quads.ends(e).map(|v| quads.position(v));
-            a.distance(b)
-        })
-        .collect();
-    let edges = length.len().max(1) as f64;
-    report.edge_mean = length.iter().sum::<f64>() / edges;
-    let variance = length.iter().map(|l| (l - report.edge_mean).powi(2)).sum::<f64>() / edges;
-    report.edge_variation = variance.sqrt() / report.edge_mean.max(f64::MIN_POSITIVE);
-    // Every part has passed its verification.
-    report.facing_against = (!parts.is_empty()).then_some(0);
-    report
-}
-
-fn right_angle_deviations(corner: [DVec3; 4]) -> [f64; 4] {
-    std::array::from_fn(|k| {
-        let (a, b) = (corner[(k + 1) % 4] - corner[k], corner[(k + 3) % 4] - corner[k]);
-        (a.cross(b).length().atan2(a.dot(b)).to_degrees() - 90.0).abs()
+        (total > 0.0).then(|| Deviation { mean: all.mean / total, max: all.max })
+    };
+    Some(Distances {
+        to_reference: joined(&|d| Some(d.to_reference))?,
+        from_reference: joined(&|d| Some(d.from_reference))?,
+        feature: joined(&|d| d.feature),
+        boundary: joined(&|d| d.boundary),
     })
 }
 
@@ -128,10 +95,7 @@ pub fn field_summary(parts: &[Part], given: bool) -> FieldSummary {
 /// Whether the free irregular vertices of the quads are as many of each index as the field has.
 fn same_indices(field: &[i32], solution: &crate::part::Solution) -> bool {
     let quads = &solution.extraction.mesh;
-    let on_feature = solution.work.binding.feature_vertices(&solution.work.mesh);
     let interior = quads.vertices().filter(|&v| !quads.is_boundary_vertex(v));
-    // A singular vertex on a feature is at an end or corner of it; the quads have it there too.
-    let _ = (&on_feature, Placement::Free);
     let mut found: Vec<i32> = interior.map(|v| 4 - quads.valence(v) as i32).filter(|&i| i != 0).collect();
     let mut wanted = field.to_vec();
     found.sort_unstable();

@@ -5,19 +5,23 @@
 use crate::error::RemeshError;
 use crate::part::Solution;
 use crate::remesh::RemeshResult;
-use crate::view::scaled_jacobian;
-use quadloom_io::{IoError, SurfaceOut, write_rawfield, write_rosy, write_surface};
-use quadloom_mesh::{CornerId, DVec3, FaceId};
+use quadloom_extract::QuadQuality;
+use quadloom_io::{Format, IoError, SurfaceOut, write_rawfield, write_rosy, write_surface};
+use quadloom_mesh::{CornerId, DVec3};
 use quadloom_param::{GRID_UNIT, LatticePoint};
 use std::path::Path;
 
-/// The quads with their scaled Jacobians, the valence of every vertex, and the integer-grid coordinates of corners.
-pub fn quad_surface(result: &RemeshResult) -> SurfaceOut {
+/// The quads with the integer-grid coordinates of their corners, and, in formats for analysis, the scaled Jacobian of
+/// every quad and the valence of every vertex.
+pub fn quad_surface(result: &RemeshResult, format: Option<Format>) -> SurfaceOut {
     let quads = &result.quads;
     let mut surface = SurfaceOut::from(quads);
-    let jacobian = |f: FaceId| scaled_jacobian(quads.face_vertices(f).map(|v| quads.position(v)));
-    surface.face_attributes = vec![("scaled_jacobian".into(), quads.faces().map(jacobian).collect())];
-    surface.vertex_attributes = vec![("valence".into(), quads.vertices().map(|v| quads.valence(v) as f64).collect())];
+    if format.is_some_and(|f| matches!(f, Format::Vtu | Format::Ply)) {
+        let jacobian = QuadQuality::of(quads).scaled_jacobian.into_vec();
+        surface.face_attributes = vec![("scaled_jacobian".into(), jacobian)];
+        surface.vertex_attributes =
+            vec![("valence".into(), quads.vertices().map(|v| quads.valence(v) as f64).collect())];
+    }
     let grid: Option<Vec<Vec<[f64; 2]>>> =
         result.parts.iter().map(|p| p.solution.as_ref().map(grid_uv)).collect::<Option<Vec<_>>>().map(|g| g.concat());
     surface.corner_uv = grid;

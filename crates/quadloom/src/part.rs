@@ -13,9 +13,8 @@ use crate::stages::{
     work_mesh, work_mesh_with_field,
 };
 use crate::verify::verify;
-use quadloom_extract::Extraction;
+use quadloom_extract::{Distances, Extraction, FinishError, FinishOptions, Reference, finish};
 use quadloom_field::CrossField;
-use quadloom_mesh::closest::ClosestPoint;
 use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, QuadMesh, TriMesh, VertexId};
 
 /// What is asked of one connected surface.
@@ -38,6 +37,10 @@ pub struct PartRequest<'a> {
 pub struct Part {
     /// The quads.
     pub quads: QuadMesh,
+    /// Area of the surface, file units squared.
+    pub area: f64,
+    /// Diagonal of its bounding box, file units.
+    pub diagonal: f64,
     /// Curves of the surface.
     pub features: Features,
     /// What the quads were extracted from; `None` where triangles were split.
@@ -46,6 +49,8 @@ pub struct Part {
     pub attempt: usize,
     /// Map solves, over all attempts.
     pub solves: usize,
+    /// Distances to the surface, if they were asked for.
+    pub distances: Option<Distances>,
     /// What should be known.
     pub warnings: Vec<Warning>,
     /// Time per stage.
@@ -88,10 +93,10 @@ const LADDER: [Attempt; 4] = [
 pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Progress) -> Result<Part, RemeshError> {
     let mut seconds = Seconds::default();
     let mut warnings = Vec::new();
-    let area = request.mesh.area();
+    let (area, diagonal) = (request.mesh.area(), request.mesh.diagonal());
     let edge = (area / request.quads as f64).sqrt();
     let features = seconds.time("features", || find_features(request.mesh, &request.features, edge));
-    let closest = seconds.time("verify", || ClosestPoint::new(request.mesh));
+    let reference = seconds.time("reference", || Reference::new(request.mesh, &features.graph));
     let mut solves = 0;
     let mut last = None;
     for (attempt, rung) in LADDER.iter().enumerate() {
@@ -100,9 +105,9 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
         let made = solve(request, &features.graph, rung, quads, options, progress, &mut seconds);
         let checked = made.and_then(|solution| {
             solves += solution.map.solves;
-            let quads = seconds.time("finish", || finish(request.mesh, &features.graph, &solution, progress))?;
+            let quads = seconds.time("finish", || finish_quads(&solution, &reference, progress))?;
             progress.report("verify", 0.0);
-            let verification = seconds.time("verify", || verify(&quads, request.mesh, &closest));
+            let verification = seconds.time("verify", || verify(&quads, &reference));
             match verification.passed() {
                 true => Ok((quads, solution)),
                 false => Err(no_result("verification", verification.complaint())),
@@ -112,7 +117,19 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
             Ok((quads, solution)) => {
                 warnings.extend(fold_warning(&solution));
                 let solution = Some(solution);
-                return Ok(Part { quads, features, solution, attempt, solves, warnings, seconds });
+                let distances = seconds.time("distances", || distances(&quads, &reference, options))?;
+                return Ok(Part {
+                    quads,
+                    area,
+                    diagonal,
+                    features,
+                    solution,
+                    attempt,
+                    solves,
+                    distances,
+                    warnings,
+                    seconds,
+                });
             }
             Err(e @ (RemeshError::Cancelled(_) | RemeshError::Mismatch { .. })) => return Err(e),
             Err(e) => {
@@ -126,14 +143,16 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
         Fallback::Off => Err(failure),
         Fallback::Split => {
             let quads = seconds.time("split", || split(request, &features.graph, options, progress))?;
-            let verification = seconds.time("verify", || verify(&quads, request.mesh, &closest));
+            let verification = seconds.time("verify", || verify(&quads, &reference));
             if !verification.passed() {
                 return Err(no_result("split", format!("{}; before that, {failure}", verification.complaint())));
             }
             let message =
                 format!("no map without folds was found ({failure}); triangles were split into quads instead");
             warnings.push(Warning::new(WarningCode::TrianglesSplit, message));
-            Ok(Part { quads, features, solution: None, attempt: LADDER.len(), solves, warnings, seconds })
+            let distances = seconds.time("distances", || distances(&quads, &reference, options))?;
+            let attempt = LADDER.len();
+            Ok(Part { quads, area, diagonal, features, solution: None, attempt, solves, distances, warnings, seconds })
         }
     }
 }
@@ -185,15 +204,23 @@ fn on_work_mesh(request: &PartRequest, work: &WorkMesh) -> Vec<(VertexId, i32)> 
     request.singularities.iter().filter_map(|&(v, index)| Some((nearest(request.mesh.position(v))?, index))).collect()
 }
 
-fn finish(
-    _input: &TriMesh,
-    _features: &FeatureGraph,
-    solution: &Solution,
-    progress: &Progress,
-) -> Result<QuadMesh, RemeshError> {
+/// Smoothing on the input.
+fn finish_quads(solution: &Solution, reference: &Reference, progress: &Progress) -> Result<QuadMesh, RemeshError> {
     progress.report("finish", 0.0);
-    progress.check()?;
-    Ok(solution.extraction.mesh.clone())
+    match finish(&solution.extraction, reference, &FinishOptions::default(), progress) {
+        Ok(finished) => Ok(finished.mesh),
+        Err(FinishError::Cancelled(c)) => Err(c.into()),
+        Err(other) => Err(no_result("finish", other)),
+    }
+}
+
+fn distances(
+    quads: &QuadMesh,
+    reference: &Reference,
+    options: &RemeshOptions,
+) -> Result<Option<Distances>, RemeshError> {
+    let measured = options.measure_distance.then(|| Distances::measure(quads, reference));
+    measured.transpose().map_err(|e| no_result("report", e))
 }
 
 fn fold_warning(solution: &Solution) -> Option<Warning> {

@@ -8,12 +8,13 @@
 use crate::components::{join, shares};
 use crate::error::{RemeshError, Warning, WarningCode};
 use crate::features::FeatureRequest;
-use crate::measure::{feature_report, field_summary, irregular, map_summary, quality, surface_report};
+use crate::measure::{distances, feature_report, field_summary, map_summary, surface_report};
 use crate::memory;
 use crate::options::{AUTO_QUADS_MAX, AUTO_QUADS_MIN, Elements, RemeshOptions, Target};
 use crate::part::{Part, PartRequest, remesh_part};
 use crate::report::{ComponentReport, CountReport, REPORT_VERSION, Report, Seconds};
 use crate::stages::no_result;
+use quadloom_extract::{IrregularVertices, QuadQuality};
 use quadloom_mesh::repair::{Component, FindingKind, RepairOptions, Repaired, repair, split_components};
 use quadloom_mesh::{DVec3, FaceMap, FaceSoup, Progress, QuadMesh, TriMesh, VertexId, VertexMap, metric};
 use rayon::prelude::*;
@@ -118,20 +119,22 @@ fn remesh_repaired(
         warnings.push(count_warning(&count));
     }
     warnings.extend(feature_warnings(&parts));
-    let measured = seconds.time("report", || (quality(&quads, &parts), irregular(&quads)));
+    let (quality, irregular) =
+        seconds.time("report", || (QuadQuality::of(&quads).summary(), IrregularVertices::of(&quads)));
     let report = Report {
         report_version: REPORT_VERSION,
         quadloom: env!("CARGO_PKG_VERSION"),
         input: surface_report(mesh),
         repairs: repaired.report.findings().map(ToString::to_string).collect(),
         output: surface_report(&quads),
-        irregular: measured.1,
+        irregular,
         count,
         features: feature_report(&parts),
         field: field_summary(&parts, options.field.is_some()),
         map: map_summary(&parts),
-        quality: measured.0,
-        distance: None,
+        quality,
+        facing_against: 0,
+        distance: distances(&parts, mesh),
         components: component_reports(&components, &share, &parts),
         seconds,
         peak_memory_bytes: memory::peak_bytes(),

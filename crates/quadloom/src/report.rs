@@ -5,6 +5,7 @@
 //! `null`, never invented. Units: file units, seconds, degrees, bytes; percent where the name says so.
 
 use crate::error::Warning;
+use quadloom_extract::{Distances, IrregularVertices, QualitySummary};
 use quadloom_mesh::Summary;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::collections::BTreeMap;
@@ -22,12 +23,14 @@ pub struct Report {
     pub quadloom: &'static str,
     /// The repaired input.
     pub input: SurfaceReport,
+    /// Quads that face against the input; more than zero is never handed out.
+    pub facing_against: usize,
     /// What repair changed, one line per kind of defect.
     pub repairs: Vec<String>,
     /// The result.
     pub output: SurfaceReport,
     /// Irregular vertices of the result.
-    pub irregular: IrregularReport,
+    pub irregular: IrregularVertices,
     /// Asked and reached number of quads.
     pub count: CountReport,
     /// Feature curves.
@@ -37,9 +40,9 @@ pub struct Report {
     /// The integer-grid map, over all components.
     pub map: MapSummary,
     /// Shapes of the quads.
-    pub quality: QualityReport,
-    /// Distance between result and input.
-    pub distance: Option<DistanceReport>,
+    pub quality: QualitySummary,
+    /// Distances between result and input, percent of the input's diagonal; `None` if they were not asked for.
+    pub distance: Option<Distances>,
     /// How each component was made.
     pub components: Vec<ComponentReport>,
     /// Wall-clock seconds of each stage; stages of components that ran at the same time are added up.
@@ -60,17 +63,6 @@ pub struct SurfaceReport {
     pub area: f64,
     /// Diagonal of the bounding box, file units.
     pub diagonal: f64,
-}
-
-/// Irregular vertices.
-#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
-pub struct IrregularReport {
-    /// Interior vertices by valence, 4 left out.
-    pub by_valence: BTreeMap<usize, usize>,
-    /// Interior vertices of a valence other than 4.
-    pub interior: usize,
-    /// Boundary vertices without exactly two quads.
-    pub boundary: usize,
 }
 
 /// Asked and reached count.
@@ -101,10 +93,6 @@ pub struct FeatureReport {
     pub chains_kept: usize,
     /// Sharp edges dropped because their chains are short and loose.
     pub dropped_edges: usize,
-    /// Mean distance from the input's feature curves to quad edges, percent of the diagonal.
-    pub mean_percent: Option<f64>,
-    /// Largest such distance.
-    pub max_percent: Option<f64>,
 }
 
 /// The cross field.
@@ -129,38 +117,6 @@ pub struct MapSummary {
     pub solves: usize,
     /// Inverted triangles of the maps that were used.
     pub flips: usize,
-}
-
-/// Shapes of quads.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
-pub struct QualityReport {
-    /// Smallest scaled Jacobian.
-    pub scaled_jacobian_min: f64,
-    /// Mean scaled Jacobian, the worst corner of each quad.
-    pub scaled_jacobian_mean: f64,
-    /// Quads with a scaled Jacobian of zero or less.
-    pub inverted: usize,
-    /// Quads whose normal points against the input's.
-    pub facing_against: Option<usize>,
-    /// Mean deviation of corner angles from 90°, degrees.
-    pub angle_mean: f64,
-    /// Largest such deviation.
-    pub angle_max: f64,
-    /// Mean edge length, file units.
-    pub edge_mean: f64,
-    /// Standard deviation of edge lengths over their mean.
-    pub edge_variation: f64,
-}
-
-/// Distances between two surfaces, both ways, sampled.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct DistanceReport {
-    /// Mean of the two directions, percent of the input's diagonal.
-    pub mean_percent: f64,
-    /// Largest distance from the result to the input.
-    pub to_input_max_percent: f64,
-    /// Largest distance from the input to the result.
-    pub from_input_max_percent: f64,
 }
 
 /// How one component was made.

@@ -2,13 +2,13 @@
 //!
 //! In: a [`RemeshResult`], or a mesh. Out: a [`Scene`] for [`crate::view::render_html`].
 
-use crate::measure::irregular;
 use crate::part::Solution;
 use crate::remesh::RemeshResult;
 use crate::view::{
     QuadLayer, Scene, SurfaceLayer, boundary_lines, crosses, feature_lines, irregular_vertices, isolines,
     quad_histograms, seams,
 };
+use quadloom_extract::IrregularVertices;
 use quadloom_mesh::{QuadMesh, Summary, TriMesh};
 
 /// Crosses that a page shows, over all components: more are not told apart.
@@ -45,7 +45,7 @@ pub fn of_result(result: &RemeshResult, title: &str) -> Scene {
 /// Quads, with the surface that they stand for.
 pub fn of_quads(quads: &QuadMesh, reference: Option<&TriMesh>, title: &str) -> Scene {
     let summary = Summary::of(quads);
-    let irregular = irregular(quads);
+    let irregular = IrregularVertices::of(quads);
     let by_valence = |v: usize| irregular.by_valence.get(&v).copied().unwrap_or(0);
     let statistics = [
         ("quads", summary.faces.to_string()),

@@ -4,9 +4,9 @@
 //! the stages say of themselves. That quads are four different vertices, manifold and oriented is what
 //! [`QuadMesh`]'s constructor has checked.
 
-use crate::view::scaled_jacobian;
-use quadloom_mesh::closest::ClosestPoint;
-use quadloom_mesh::{DVec3, FaceId, QuadMesh, Summary, TriMesh};
+use quadloom_extract::{Reference, scaled_jacobian};
+use quadloom_mesh::{DVec3, FaceId, FeatureGraph, QuadMesh, Summary, TriMesh};
+use rayon::prelude::*;
 
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,25 +50,28 @@ impl Verification {
 /// Compares quads with the surface they stand for.
 ///
 /// # Cost       five closest-point queries per quad
-pub fn verify(quads: &QuadMesh, surface: &TriMesh, closest: &ClosestPoint) -> Verification {
+pub fn verify(quads: &QuadMesh, reference: &Reference) -> Verification {
     let corners = |f: FaceId| quads.face_vertices(f).map(|v| quads.position(v));
+    let all: Vec<FaceId> = quads.faces().collect();
     Verification {
-        expected: Summary::of(surface),
+        expected: Summary::of(reference.mesh),
         found: Summary::of(quads),
         inverted: quads.faces().filter(|&f| scaled_jacobian(corners(f)) <= 0.0).collect(),
-        against: quads.faces().filter(|&f| faces_against(corners(f), surface, closest)).collect(),
+        against: all.into_par_iter().filter(|&f| faces_against(corners(f), reference)).collect(),
     }
 }
 
-/// Whether most of five points of a quad lie nearest to faces that point the other way.
+/// [`verify`] against a surface without features.
+pub fn verify_against(quads: &QuadMesh, surface: &TriMesh) -> Verification {
+    verify(quads, &Reference::new(surface, &FeatureGraph::none(surface)))
+}
+
+/// Whether five points of a quad all lie nearest to faces that point the other way.
 ///
-/// One point alone may be nearest to the other side of a thin sheet.
-fn faces_against(corner: [DVec3; 4], surface: &TriMesh, closest: &ClosestPoint) -> bool {
+/// Some of them may be nearest to the other side of a thin sheet; a quad that is turned over has all five against it.
+fn faces_against(corner: [DVec3; 4], reference: &Reference) -> bool {
     let normal = (corner[2] - corner[0]).cross(corner[3] - corner[1]);
     let centre = corner.iter().sum::<DVec3>() / 4.0;
-    let against = |p: DVec3| surface.vector_area(closest.query(p).point.face).dot(normal) < 0.0;
-    if !against(centre) {
-        return false;
-    }
-    corner.iter().filter(|&&c| against(c.lerp(centre, 0.5))).count() >= 2
+    let against = |p: DVec3| reference.mesh.vector_area(reference.closest.query(p).point.face).dot(normal) < 0.0;
+    against(centre) && corner.iter().all(|&c| against(c.lerp(centre, 0.5)))
 }

@@ -5,9 +5,8 @@ use crate::args::CheckArgs;
 use crate::exit;
 use quadloom::RemeshError;
 use quadloom::inspect::{Inspection, as_quads, inspect};
-use quadloom::mesh::closest::ClosestPoint;
 use quadloom::mesh::repair::{RepairOptions, repair};
-use quadloom::verify::verify;
+use quadloom::verify::verify_against;
 use std::process::ExitCode;
 
 /// Says what is wrong with a mesh; exit code 4 if something is.
@@ -23,7 +22,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, RemeshError> {
         let surface = repair(&read(reference)?, &RepairOptions::default())?.mesh;
         match as_quads(&soup) {
             Some(Ok(quads)) => {
-                let verification = verify(&quads, &surface, &ClosestPoint::new(&surface));
+                let verification = verify_against(&quads, &surface);
                 complaints.extend(Some(verification.complaint()).filter(|c| !c.is_empty()));
             }
             // The defects are listed already.

@@ -4,7 +4,7 @@ use super::{check_output, is_any_output, is_field_output, is_surface_output, rea
 use crate::args::{FallbackArg, MethodArg, RemeshArgs};
 use crate::console::Console;
 use crate::{exit, watchdog};
-use quadloom::io::{read_features, read_guides, read_singularities};
+use quadloom::io::{Format, read_features, read_guides, read_singularities};
 use quadloom::view::render_html;
 use quadloom::{
     FaceSoup, Fallback, GivenField, Method, RemeshError, RemeshOptions, RemeshResult, Target, output, remesh, scene,
@@ -87,6 +87,7 @@ fn options(args: &RemeshArgs, soup: &FaceSoup) -> Result<RemeshOptions, RemeshEr
             FallbackArg::Split => Fallback::Split,
             FallbackArg::Off => Fallback::Off,
         },
+        measure_distance: args.report.is_some() || args.view.is_some(),
         seed: args.run.seed,
     })
 }
@@ -101,7 +102,7 @@ fn target(args: &RemeshArgs) -> Target {
 }
 
 fn write_all(args: &RemeshArgs, result: &RemeshResult) -> Result<Vec<String>, RemeshError> {
-    let mut warnings = write(&args.output, &output::quad_surface(result))?;
+    let mut warnings = write(&args.output, &output::quad_surface(result, Format::from_path(&args.output)))?;
     if let Some(path) = &args.write_field {
         output::write_field(path, result)?;
     }

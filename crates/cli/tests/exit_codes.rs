@@ -1,0 +1,122 @@
+//! How the command ends when something is wrong.
+
+mod common;
+
+use common::Bench;
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+#[test]
+fn wrong_usage_is_2() {
+    let bench = Bench::new();
+    assert_eq!(bench.line("remesh").code, 2);
+    assert_eq!(bench.line("knit sample:torus").code, 2);
+    let both = bench.line("remesh sample:torus -o out.obj --quads 100 --scale 2");
+    both.fails_with(2, &["--quads", "--scale"]);
+    bench.line("remesh sample:teacup -o out.obj").fails_with(2, &["teacup", "samples"]);
+    bench.line("remesh sample:torus -o out.obj --quads 0").fails_with(2, &["--quads"]);
+    bench.line("remesh sample:torus -o out.obj --adaptivity 3").fails_with(2, &["--adaptivity"]);
+    assert!(bench.files().is_empty());
+}
+
+#[test]
+fn unreadable_input_is_3() {
+    let bench = Bench::new();
+    bench.line("remesh missing.obj -o out.obj").fails_with(3, &["missing.obj", "no such file"]);
+    bench.write("empty.obj", "");
+    bench.line("remesh empty.obj -o out.obj").fails_with(3, &["empty.obj", "empty"]);
+    let junk: Vec<u8> = (0..4096u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    bench.write("junk.obj", junk);
+    bench.line("remesh junk.obj -o out.obj").fails_with(3, &["junk.obj"]);
+    bench.write("points.obj", "v 0 0 0\nv 1 0 0\n");
+    bench.line("remesh points.obj -o out.obj").fails_with(3, &["points.obj", "no face"]);
+    bench.write("cut.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    bench.line("remesh cut.obj -o out.obj").fails_with(3, &["cut.obj", "line 4", "9"]);
+    bench.write("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
+    bench.line("remesh nan.obj -o out.obj").fails_with(3, &["nan.obj", "line 2"]);
+    bench.write("cut.stl", [b"solid".as_slice(), &[0; 10]].concat());
+    bench.line("remesh cut.stl -o out.obj").fails_with(3, &["cut.stl"]);
+    std::fs::create_dir(bench.path("folder.obj")).expect("a folder");
+    bench.line("remesh folder.obj -o out.obj").fails_with(3, &["folder.obj", "folder"]);
+    assert!(!bench.path("out.obj").exists());
+}
+
+#[test]
+fn unwritable_output_is_3_and_found_before_anything_is_computed() {
+    let bench = Bench::new();
+    bench.line("remesh sample:lattice -o nowhere/out.obj").fails_with(3, &["nowhere", "folder"]);
+    bench.line("remesh sample:lattice -o out.xyz").fails_with(3, &["out.xyz"]);
+    bench.line("remesh sample:lattice -o out.obj --report nowhere/r.json").fails_with(3, &["nowhere"]);
+    assert!(bench.files().is_empty());
+}
+
+#[test]
+fn a_surface_with_one_side_is_4() {
+    let bench = Bench::new();
+    // A Moebius strip of five quads, as triangles.
+    let mut text = String::new();
+    for i in 0..5 {
+        let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / 5.0).sin_cos();
+        text += &format!("v {cos} {sin} 0\nv {} {} 1\n", 0.8 * cos, 0.8 * sin);
+    }
+    for i in 0..5 {
+        let (a, b) = (2 * i + 1, 2 * i + 2);
+        let (c, d) = if i == 4 { (2, 1) } else { (2 * i + 3, 2 * i + 4) };
+        text += &format!("f {a} {c} {d}\nf {a} {d} {b}\n");
+    }
+    bench.write("moebius.obj", text);
+    bench.line("remesh moebius.obj -o out.obj").fails_with(4, &["orientable", "edge"]);
+    bench.line("remesh moebius.obj -o out.obj --quiet").fails_with(4, &["orientable"]);
+    assert!(!bench.path("out.obj").exists());
+}
+
+#[test]
+fn files_that_do_not_fit_the_input_are_refused() {
+    let bench = Bench::new();
+    bench.write("short.rosy", "1\n4\n1 0 0\n");
+    bench.line("remesh sample:cube -o out.obj --field short.rosy").fails_with(4, &["cross field", "1 vectors"]);
+    bench.write("far.txt", "99999999 1\n");
+    bench.line("remesh sample:cube -o out.obj --singularities far.txt").fails_with(4, &["99999999"]);
+    assert!(!bench.path("out.obj").exists());
+}
+
+#[test]
+fn a_time_limit_is_7_and_leaves_nothing() {
+    let bench = Bench::new();
+    let begin = std::time::Instant::now();
+    bench.line("remesh sample:lattice -o out.obj --quads 40000 --time-limit 0.2").fails_with(7, &["time limit"]);
+    assert!(begin.elapsed().as_secs_f64() < 10.0, "ended after {:?}", begin.elapsed());
+    assert!(bench.files().is_empty());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_is_130_and_leaves_nothing() {
+    let bench = Bench::new();
+    let mut command =
+        bench.command(&["remesh", "sample:lattice", "-o", "out.obj", "--quads", "40000", "--progress", "json"]);
+    let mut child = command.stderr(std::process::Stdio::piped()).spawn().expect("the built command");
+    // The first line of progress says that the handler is in place.
+    let mut stderr = std::io::BufReader::new(child.stderr.take().expect("piped"));
+    let mut line = String::new();
+    std::io::BufRead::read_line(&mut stderr, &mut line).expect("a line");
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(killed.success());
+    let mut rest = String::new();
+    std::io::Read::read_to_string(&mut stderr, &mut rest).expect("text");
+    let status = child.wait().expect("an end");
+    assert_eq!(status.code(), Some(130), "{rest}");
+    assert!(rest.contains("error: cancelled"), "{rest}");
+    assert!(bench.files().is_empty());
+}
+
+#[test]
+fn an_existing_output_survives_failure() {
+    let bench = Bench::new();
+    bench.write("out.obj", "the old one");
+    bench.write("moved.obj", TRIANGLE.replace("f 1 2 3", "f 1 2 7"));
+    assert_eq!(bench.line("remesh moved.obj -o out.obj").code, 3);
+    assert_eq!(bench.line("remesh sample:lattice -o out.obj --quads 40000 --time-limit 0.1").code, 7);
+    assert_eq!(bench.read("out.obj"), b"the old one");
+    assert_eq!(bench.files(), ["moved.obj", "out.obj"]);
+}
