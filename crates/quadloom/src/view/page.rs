@@ -211,3 +211,155 @@ impl Placement {
 fn pack<const N: usize>(numbers: impl Iterator<Item = [u8; N]>) -> String {
     STANDARD.encode(numbers.flatten().collect::<Vec<u8>>())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::histogram::Bins;
+    use super::super::scene::{Cross, Polyline, Singularity};
+    use super::*;
+    use proptest::prelude::*;
+    use serde_json::Value;
+
+    /// What a browser's JSON parser finds in the page.
+    fn data_of(page: &str) -> Value {
+        let (_, rest) = page.split_once("<script type=\"application/json\" id=\"scene\">").unwrap();
+        serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
+    }
+
+    fn bytes_of(value: &Value) -> Vec<[u8; 4]> {
+        let bytes = STANDARD.decode(value.as_str().unwrap()).unwrap();
+        bytes.chunks_exact(4).map(|c| c.try_into().unwrap()).collect()
+    }
+    fn floats_of(value: &Value) -> Vec<f64> {
+        bytes_of(value).into_iter().map(|b| f64::from(f32::from_le_bytes(b))).collect()
+    }
+    fn integers_of(value: &Value) -> Vec<u32> {
+        bytes_of(value).into_iter().map(u32::from_le_bytes).collect()
+    }
+
+    /// Points of the page in file units.
+    fn points_of(data: &Value, value: &Value) -> Vec<DVec3> {
+        let number = |v: &Value| v.as_f64().unwrap();
+        let centre = DVec3::from_array([0, 1, 2].map(|k| number(&data["centre"][k])));
+        floats_of(value).chunks_exact(3).map(|c| centre + DVec3::from_slice(c) * number(&data["unit"])).collect()
+    }
+
+    fn scene_at(origin: DVec3, scale: f64) -> Scene {
+        let p = |x: f64, y: f64, z: f64| origin + scale * DVec3::new(x, y, z);
+        let square = vec![p(0.0, 0.0, 0.0), p(1.0, 0.0, 0.0), p(1.0, 1.0, 0.3), p(0.0, 1.0, 0.0)];
+        Scene {
+            title: "A square".into(),
+            input: Some(SurfaceLayer { positions: square.clone(), triangles: vec![[0, 1, 2], [0, 2, 3]] }),
+            quads: Some(QuadLayer { positions: square.clone(), quads: vec![[0, 1, 2, 3]], quality: vec![0.75] }),
+            singularities: vec![Singularity { position: square[2], valence: 5 }],
+            features: vec![Polyline { points: square.clone(), closed: true }],
+            boundary: vec![Polyline { points: square[..2].to_vec(), closed: true }],
+            seams: vec![[square[0], square[2]]],
+            crosses: vec![Cross { point: p(0.5, 0.5, 0.0), u: DVec3::X, v: DVec3::Y, length: scale }],
+            statistics: vec![("quads".into(), "1".into())],
+            histograms: vec![Histogram::new("h", "", Bins { low: 0.0, high: 1.0, count: 2 }, [0.75]).with_mark(1.0)],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn the_page_holds_the_scene() {
+        for (origin, scale) in [(DVec3::ZERO, 1.0), (DVec3::splat(1e6), 1.0), (DVec3::ZERO, 1e-20), (DVec3::X, 1e150)] {
+            let scene = scene_at(origin, scale);
+            let data = data_of(&render_html(&scene));
+            let close = |value: &Value, expected: &[DVec3]| {
+                let found = points_of(&data, value);
+                assert_eq!(found.len(), expected.len());
+                for (a, b) in found.iter().zip(expected) {
+                    assert!((*a - *b).abs().max_element() <= 1e-6 * scale, "{a} is not {b}");
+                }
+            };
+            let quads = scene.quads.as_ref().unwrap();
+            close(&data["quads"]["positions"], &quads.positions);
+            close(&data["input"]["positions"], &quads.positions);
+            close(&data["singularities"]["positions"], &[quads.positions[2]]);
+            close(&data["lines"]["seams"], &scene.seams[0]);
+            close(&data["lines"]["features"], &scene.features[0].segments().flatten().collect::<Vec<_>>());
+            close(&data["lines"]["field"], scene.crosses[0].segments().as_flattened());
+            assert_eq!(integers_of(&data["quads"]["faces"]), [0, 1, 2, 3]);
+            assert_eq!(integers_of(&data["input"]["faces"]), [0, 1, 2, 0, 2, 3]);
+            assert_eq!(integers_of(&data["singularities"]["valence"]), [5]);
+            assert_eq!(floats_of(&data["quads"]["quality"]), [0.75]);
+            assert_eq!(data["lines"]["boundary"].as_str().unwrap().len(), 64, "two segments of 24 bytes");
+            assert_eq!(data["histograms"][0]["counts"], serde_json::json!([0, 1]));
+        }
+    }
+
+    #[test]
+    fn a_page_asks_for_nothing_and_has_no_place_left() {
+        for scene in [Scene::default(), scene_at(DVec3::ZERO, 1.0)] {
+            let page = render_html(&scene);
+            assert!(page.contains("default-src 'none'") && !page.contains("{{") && !page.contains("}}"));
+            // The one address is the name of SVG's elements, which nobody fetches.
+            assert_eq!(page.replace("http://www.w3.org/2000/svg", "").matches("http").count(), 1, "http-equiv alone");
+            assert!(!page.contains(" src=") && !page.contains("@import") && !page.contains("url("));
+        }
+    }
+
+    #[test]
+    fn odd_scenes_make_pages_too() {
+        let mut scene = scene_at(DVec3::ZERO, 1.0);
+        let quads = scene.quads.as_mut().unwrap();
+        quads.quads.extend([[0, 1, 2, 99], [3, 2, 1, 0]]);
+        quads.positions.push(DVec3::NAN);
+        let data = data_of(&render_html(&scene));
+        assert_eq!(integers_of(&data["quads"]["faces"]), [0, 1, 2, 3, 3, 2, 1, 0]);
+        assert!(floats_of(&data["quads"]["quality"])[1].is_nan(), "no quality was given");
+        let lonely = Scene {
+            singularities: vec![Singularity { position: DVec3::splat(f64::INFINITY), valence: 3 }],
+            ..Scene::default()
+        };
+        assert_eq!(data_of(&render_html(&lonely))["unit"], 1.0);
+    }
+
+    #[test]
+    fn two_hundred_thousand_triangles_fit_in_fifteen_megabytes() {
+        let side = 316_u32;
+        let points: Vec<_> =
+            (0..=side).flat_map(|j| (0..=side).map(move |i| DVec3::new(i.into(), j.into(), 0.0))).collect();
+        let cell = |k: u32| (k / side) * (side + 1) + k % side;
+        let corners = move |k: u32| [cell(k), cell(k) + 1, cell(k) + side + 2, cell(k) + side + 1];
+        let triangles: Vec<_> = (0..side * side).map(corners).flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        assert!(triangles.len() > 199_000);
+        let segment = [points[0], points[1]];
+        let mut scene = Scene {
+            quads: Some(QuadLayer {
+                positions: points[..10_100].to_vec(),
+                quads: (0..10_000).map(|k| [k, k + 1, k + 2, k + 3]).collect(),
+                quality: vec![1.0; 10_000],
+            }),
+            input: Some(SurfaceLayer { positions: points, triangles }),
+            ..Scene::default()
+        };
+        // As many pieces of iso-lines as a map to 10,000 quads has on triangles of this size.
+        scene.uv_isolines.u = vec![segment; 65_000];
+        scene.uv_isolines.v = vec![segment; 65_000];
+        assert!(render_html(&scene).len() < 15_000_000);
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_leaves_its_place(
+            text in r#"[<>&"'/!{}a-z-]{0,12}(</script>|<!--|\{\{scene\}\}|</title>|<script>)[<>&"' a-z]{0,12}"#
+        ) {
+            let plain = render_html(&Scene::default());
+            let mut scene = scene_at(DVec3::ZERO, 1.0);
+            scene.title = text.clone();
+            scene.statistics = vec![(text.clone(), text.clone())];
+            scene.histograms[0].title = text.clone();
+            let page = render_html(&scene);
+            for tag in ["<script", "</script", "<!--", "</title", "<title", "<h1", "<canvas"] {
+                prop_assert_eq!(page.matches(tag).count(), plain.matches(tag).count(), "{}", tag);
+            }
+            let data = data_of(&page);
+            prop_assert_eq!(data["title"].as_str().unwrap(), text.trim());
+            prop_assert_eq!(data["statistics"][0][1].as_str().unwrap(), &text);
+            prop_assert_eq!(data["histograms"][0]["title"].as_str().unwrap(), &text);
+        }
+    }
+}

@@ -34,18 +34,18 @@ const segmentCount = name => lines[name].length / 6;
 // ------------------------------------------------------------------------------------------------ colours
 
 const PALETTES = {
-  usual: { valence3: '#d62839', valence5: '#1d5fd1', valenceOther: '#f0a202', features: '#c2410c', boundary: '#0f766e',
-    seams: '#be185d', field: '#334155', grid_u: '#d62839', grid_v: '#1d5fd1' },
+  usual: { valence3: '#d62839', valence5: '#1d5fd1', valenceOther: '#f0a202', features: '#e0620d', boundary: '#7c3aed',
+    seams: '#0d9488', field: '#334155', grid_u: '#d62839', grid_v: '#1d5fd1' },
   // Okabe and Ito's colours: told apart with any kind of colour vision.
   safe: { valence3: '#e69f00', valence5: '#0072b2', valenceOther: '#cc79a7', features: '#d55e00', boundary: '#009e73',
-    seams: '#cc79a7', field: '#334155', grid_u: '#e69f00', grid_v: '#0072b2' },
+    seams: '#111827', field: '#334155', grid_u: '#e69f00', grid_v: '#0072b2' },
 };
 const THEMES = {
-  light: { paper: '#ffffff', quads: '#e6ecf3', input: '#e3e1dc', back: '#c9b79c', ink: '#11151a', faint: '#7d838b' },
+  light: { paper: '#ffffff', quads: '#e9eef4', input: '#e6e3dc', back: '#c9b79c', ink: '#11151a', faint: '#7d838b' },
   dark: { paper: '#14171b', quads: '#b9c6d6', input: '#b8b5ae', back: '#7d6d55', ink: '#0a0c0f', faint: '#5b616a' },
 };
 // Scaled Jacobian to colour: inverted magenta, then dark red to blue; most quads are above 0.9, so is the detail.
-const QUALITY_STOPS = [[0, '#7f1d1d'], [0.4, '#c2410c'], [0.7, '#f59e0b'], [0.88, '#fde68a'], [0.96, '#d3e8ec'], [1, '#7fb3d3']];
+const QUALITY_STOPS = [[0, '#7f1d1d'], [0.4, '#c2410c'], [0.7, '#f59e0b'], [0.88, '#fde68a'], [0.96, '#e2efe9'], [1, '#9cc7de']];
 const INVERTED = '#c026d3';
 
 const rgb = hex => [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16) / 255);
@@ -118,11 +118,11 @@ function slerp(a, b, t) {
 // ------------------------------------------------------------------------------------------------ camera
 
 const FIELD_OF_VIEW = 30 * Math.PI / 180;
-const HOME_YAW = -32, HOME_PITCH = 22, HOME_DISTANCE = 1.06 / Math.sin(FIELD_OF_VIEW / 2);
+const HOME_YAW = -32, HOME_PITCH = 22;
 const AXES = { x: [1, 0, 0], y: [0, 1, 0] };
 
 const facing = (yaw, pitch) => times(turn(AXES.x, pitch * Math.PI / 180), turn(AXES.y, yaw * Math.PI / 180));
-const camera = { target: [0, 0, 0], distance: HOME_DISTANCE, rotation: facing(HOME_YAW, HOME_PITCH) };
+const camera = { target: [0, 0, 0], distance: 4, rotation: facing(HOME_YAW, HOME_PITCH) };
 let flight = null;
 
 const canvas = $('canvas');
@@ -144,7 +144,7 @@ function currentView() {
   const t = sub([0, 0, -camera.distance], rotated(q, camera.target));
   const view = [...column([1, 0, 0]), 0, ...column([0, 1, 0]), 0, ...column([0, 0, 1]), 0, ...t, 1];
   const projection = [sx, 0, 0, 0, 0, sy, 0, 0, ox, oy, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0];
-  return { view, projection, width, height, focal, near, centre: [width * (1 - ox) / 2, height * (1 + oy) / 2] };
+  return { view, projection, width, height, focal, near, free, centre: [width * (1 - ox) / 2, height * (1 + oy) / 2] };
 }
 
 // The ray through a pixel of the window: origin and direction in scene units.
@@ -168,7 +168,24 @@ function fly(now) {
   if (t >= 1) flight = null; else redraw();
 }
 
-const goHome = () => flyTo({ target: [0, 0, 0], distance: HOME_DISTANCE, rotation: facing(HOME_YAW, HOME_PITCH) });
+// Where the whole surface, seen under this rotation, fills the free room but for a margin.
+function fitted(rotation) {
+  const p = (quads ?? input)?.positions ?? Float32Array.of(1, 1, 1), step = 3 * Math.max(1, Math.floor(p.length / 60000));
+  const { focal, free } = currentView(), low = [Infinity, Infinity], high = [-Infinity, -Infinity], seen = [];
+  for (let i = 0; i + 2 < p.length; i += step) {
+    const q = rotated(rotation, [p[i], p[i + 1], p[i + 2]]);
+    if (!Number.isFinite(q[0] + q[1] + q[2])) continue;
+    seen.push(q);
+    for (const k of [0, 1]) { low[k] = Math.min(low[k], q[k]); high[k] = Math.max(high[k], q[k]); }
+  }
+  if (!seen.length) return { target: [0, 0, 0], distance: 4, rotation };
+  const middle = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, 0], slope = free.map(side => FIT * side / 2 / focal);
+  const distance = seen.reduce((far, q) => Math.max(far, q[2] + Math.abs(q[0] - middle[0]) / slope[0], q[2] + Math.abs(q[1] - middle[1]) / slope[1]), 0.05);
+  return { target: rotated(inverse(rotation), middle), distance, rotation };
+}
+const FIT = 0.86;   // share of the free room that the surface fills
+
+const goHome = () => flyTo(fitted(facing(HOME_YAW, HOME_PITCH)));
 const orbit = (dx, dy) => { camera.rotation = times(times(turn(AXES.x, dy), turn(AXES.y, dx)), camera.rotation); };
 function pan(dx, dy) {
   const perPixel = camera.distance / currentView().focal;
@@ -273,7 +290,7 @@ function singularityRadius() {
     const [a, b] = [3 * faces[4 * f], 3 * faces[4 * f + 1]];
     sum += Math.hypot(p[a] - p[b], p[a + 1] - p[b + 1], p[a + 2] - p[b + 2]);
   }
-  return 0.3 * sum / n;
+  return 0.27 * sum / n;
 }
 
 // ------------------------------------------------------------------------------------------------ shaders
@@ -318,9 +335,9 @@ vec3 shade(vec3 albedo, vec3 n, vec3 toEye) {
   float fill = max(0.0, dot(n, normalize(vec3(0.75, -0.15, 0.5))));
   float sky = 0.5 + 0.5 * n.y;
   float edge = pow(1.0 - clamp(dot(n, toEye), 0.0, 1.0), 3.0);
-  float light = 0.36 + 0.56 * key * key + 0.08 * fill + 0.12 * sky;
-  vec3 tint = mix(vec3(0.90, 0.94, 1.03), vec3(1.02, 1.0, 0.975), key);
-  return albedo * light * tint * (1.0 - 0.32 * edge);
+  float light = 0.56 + 0.40 * key + 0.05 * fill + 0.06 * sky;
+  vec3 tint = mix(vec3(0.93, 0.96, 1.02), vec3(1.02, 1.0, 0.98), key);
+  return min(albedo * light * tint, 1.0) * (1.0 - 0.30 * edge);
 }
 // Coverage of the pixel by the lines along the sides: screen-space distances from the heights' derivatives.
 float lines() {
@@ -664,7 +681,7 @@ function swatchColour(id) {
   const palette = PALETTES[state.palette], theme = THEMES[state.theme];
   if (id === 'grid') return `linear-gradient(90deg, ${palette.grid_u} 50%, ${palette.grid_v} 50%)`;
   if (id === 'singularities') return `linear-gradient(135deg, ${palette.valence3} 50%, ${palette.valence5} 50%)`;
-  if (id === 'quality') return 'linear-gradient(135deg, #7fb3d3 30%, #fde68a 55%, #c2410c 85%)';
+  if (id === 'quality') return 'linear-gradient(135deg, #9cc7de 30%, #fde68a 55%, #c2410c 85%)';
   if (id === 'triangles') return `repeating-linear-gradient(45deg, ${theme.input} 0 3px, ${theme.faint} 3px 4px)`;
   if (id === 'quads') return `linear-gradient(${theme.ink} 0 0) center / 1px 100% no-repeat, linear-gradient(${theme.ink} 0 0) center / 100% 1px no-repeat, ${theme.quads}`;
   return palette[id] ?? theme[id];
@@ -676,7 +693,7 @@ function buildValenceLegend() {
   const rows = [...count.keys()].sort((a, b) => a - b).map(valence => {
     const dot = element('i', { 'data-kind': valenceKind(valence) });
     return element('li', { title: `${count.get(valence)} vertices where ${valence} quads meet` }, dot,
-      element('span', { text: `valence ${valence}` }), element('b', { text: grouped(count.get(valence)) }));
+      element('b', { text: grouped(count.get(valence)) }), element('span', { text: `of valence ${valence}` }));
   });
   $('valence-legend').replaceChildren(...rows);
   $('valence').hidden = rows.length === 0;
@@ -713,8 +730,9 @@ function buildHistogram({ title, unit, low, high, counts, mark, summary }) {
   if (place >= 0 && place <= width) svg.append(drawing('line', { class: 'mark', x1: place, x2: place, y1: -2, y2: height + 3 }));
   if (inside) write(place, 'middle', shortNumber(mark) + unit, 'marked');
   write(width, 'end', shortNumber(high) + unit);
-  const figures = summary ? `${shortNumber(summary[0])} · mean ${shortNumber(summary[1])} · ${shortNumber(summary[2])}` : 'no values';
-  const head = element('div', { class: 'head' }, element('h3', { text: title }), element('span', { text: figures, title: 'smallest, mean, largest' }));
+  const digits = x => (Math.abs(x) >= 10 ? x.toFixed(1) : Math.abs(x) >= 1e-3 || x === 0 ? x.toFixed(3) : shortNumber(x));
+  const figures = summary ? `${digits(summary[0])} to ${digits(summary[2])}, mean ${digits(summary[1])}` : 'no values';
+  const head = element('div', { class: 'head' }, element('h3', { text: title }), element('span', { text: figures }));
   return element('div', { class: 'histogram' }, head, svg);
 }
 
@@ -800,7 +818,7 @@ function savePicture() {
 function lookAlong(axis) {
   const views = { x: [facing(-90, 0), facing(90, 0)], y: [facing(0, 90), facing(0, -90)], z: [facing(0, 0), facing(180, 0)] }[axis];
   const close = (a, b) => Math.abs(a.reduce((s, x, i) => s + x * b[i], 0)) > 0.9999;
-  flyTo({ rotation: close(camera.rotation, views[0]) ? views[1] : views[0] });
+  flyTo(fitted(close(camera.rotation, views[0]) ? views[1] : views[0]));
 }
 
 const STEP = 8 * Math.PI / 180;
@@ -877,8 +895,8 @@ function readAddress() {
   if (!PRESETS.length) state.shown = new Set(LAYERS.map(l => l.id));
   if (asked.has('layers')) state.shown = new Set(asked.get('layers').split(',').filter(id => layerOf[id]));
   if (asked.has('compare')) setCompare(number('compare', 0.5));
-  camera.rotation = facing(number('yaw', HOME_YAW), number('pitch', HOME_PITCH));
-  camera.distance = HOME_DISTANCE / Math.min(Math.max(number('zoom', 1), 0.02), 100);
+  const start = fitted(facing(number('yaw', HOME_YAW), number('pitch', HOME_PITCH)));
+  Object.assign(camera, start, { distance: start.distance / Math.min(Math.max(number('zoom', 1), 0.02), 100) });
 }
 
 function fail(message) {
