@@ -7,7 +7,8 @@ use crate::{exit, watchdog};
 use quadloom::io::{Format, read_features, read_guides, read_singularities};
 use quadloom::view::render_html;
 use quadloom::{
-    FaceSoup, Fallback, GivenField, Method, RemeshError, RemeshOptions, RemeshResult, Target, output, remesh, scene,
+    FaceSoup, Fallback, GivenField, Method, RemeshError, RemeshOptions, RemeshResult, Report, Target, output, remesh,
+    scene,
 };
 use std::path::Path;
 use std::process::ExitCode;
@@ -113,9 +114,15 @@ fn write_all(args: &RemeshArgs, result: &RemeshResult) -> Result<Vec<String>, Re
         write_text(path, &render_html(&scene::of_result(result, &title(args))))?;
     }
     if let Some(path) = &args.report {
-        write_text(path, &format!("{:#}\n", serde_json::json!(result.report)))?;
+        write_text(path, &report_text(&result.report))?;
     }
     Ok(warnings)
+}
+
+/// Pretty JSON with keys in the order of the report.
+fn report_text(report: &Report) -> String {
+    // A struct of plain data always serialises.
+    serde_json::to_string_pretty(report).unwrap_or_default() + "\n"
 }
 
 fn title(args: &RemeshArgs) -> String {
