@@ -56,11 +56,13 @@ pub struct FeatureOptions {
     pub corner_angle: f64,
     /// Open sharp chains with two loose ends shorter than this are dropped, file units. Default 0: none is.
     pub min_loose_length: f64,
+    /// Connected pieces of sharp edges shorter than this are dropped, closed ones too, file units. Default 0: none is.
+    pub min_piece_length: f64,
 }
 
 impl Default for FeatureOptions {
     fn default() -> Self {
-        Self { sharp_angle: Some(35.0), corner_angle: 50.0, min_loose_length: 0.0 }
+        Self { sharp_angle: Some(35.0), corner_angle: 50.0, min_loose_length: 0.0, min_piece_length: 0.0 }
     }
 }
 
@@ -90,7 +92,7 @@ impl FeatureGraph {
         options: &FeatureOptions,
     ) -> (Self, usize) {
         let first = Self::group(mesh, &kind, options);
-        let dropped = first.short_loose_edges(mesh, options.min_loose_length);
+        let dropped = first.short_loose_edges(mesh, options);
         if dropped.is_empty() {
             return (first, 0);
         }
@@ -192,9 +194,9 @@ impl FeatureGraph {
         self.chains.push(FeatureChain { kind, vertices, closed });
     }
 
-    fn short_loose_edges(&self, mesh: &TriMesh, min_length: f64) -> Vec<EdgeId> {
+    fn short_loose_edges(&self, mesh: &TriMesh, options: &FeatureOptions) -> Vec<EdgeId> {
         // Loose pieces are whole connected components of sharp edges: total length below the limit, and an open end.
-        if min_length <= 0.0 {
+        if options.min_loose_length <= 0.0 && options.min_piece_length <= 0.0 {
             return Vec::new();
         }
         let mut piece: Vec<usize> = (0..self.chains.len()).collect();
@@ -220,6 +222,7 @@ impl FeatureGraph {
         }
         let mut length = vec![0.0; self.chains.len()];
         let mut loose = vec![false; self.chains.len()];
+        // The edge that closes a closed chain is counted too.
         for (i, chain) in self.chains.iter().enumerate() {
             let r = root(&mut piece, i);
             if chain.kind != FeatureKind::Sharp {
@@ -234,7 +237,7 @@ impl FeatureGraph {
             .filter(|&e| {
                 self.chain_of[e].is_some_and(|c| {
                     let r = root(&mut piece, c as usize);
-                    loose[r] && length[r] < min_length
+                    length[r] < options.min_piece_length || (loose[r] && length[r] < options.min_loose_length)
                 })
             })
             .collect()

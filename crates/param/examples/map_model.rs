@@ -2,11 +2,11 @@
 //!
 //! `cargo run --release -p quadloom-param --example map_model -- QUADS FILE.obj...`
 
-use quadloom_field::{CrossField, FieldConstraints, FieldOptions, SizeField, Transport, solve_cross_field};
+use quadloom_field::{CrossField, FieldConstraints, FieldOptions, SizeField, Transport};
 use quadloom_mesh::features::FeatureOptions;
 use quadloom_mesh::remesh::{RemeshOptions, TargetLength, isotropic};
 use quadloom_mesh::{DVec3, FeatureGraph, MeshError, Progress, TriMesh, metric};
-use quadloom_param::{ParamOptions, Parametrizer};
+use quadloom_param::{ParamOptions, Parametrizer, solve_open_field};
 use std::time::Instant;
 
 #[allow(clippy::print_stdout)]
@@ -20,32 +20,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut clock = Instant::now();
         let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
         let sharp_angle = std::env::var("SHARP").map_or(Some(35.0), |a| a.parse().ok());
-        let options = FeatureOptions { sharp_angle, min_loose_length: 2.0 * edge, ..Default::default() };
+        let options = FeatureOptions {
+            sharp_angle,
+            min_loose_length: std::env::var("LOOSE").map_or(2.0, |x| x.parse().unwrap_or(2.0)) * edge,
+            ..Default::default()
+        };
         let (features, _) = FeatureGraph::detect(&input, &options);
         lap();
-        let work = isotropic(&input, &features, TargetLength::Uniform(0.55 * edge), &RemeshOptions::default(), &progress)?;
+        let work =
+            isotropic(&input, &features, TargetLength::Uniform(0.55 * edge), &RemeshOptions::default(), &progress)?;
         let remesh_seconds = lap();
         let (mesh, features) = (work.mesh, work.features);
         let length = metric::edge_lengths(&mesh);
         let transport = Transport::new(&mesh, &length);
         let constraints = FieldConstraints::from_features(&mesh, &transport, &length, &features);
-        let mut constraints = constraints.0;
         let field_options = FieldOptions { cancel_distance: 1.5 * edge, ..Default::default() };
-        let mut field: CrossField;
-        let mut rounds = 0;
-        loop {
-            field = solve_cross_field(&mesh, &transport, &length, &constraints, &field_options, &progress)?.0;
-            let collapsed = quadloom_param::Charts::new(&mesh, &length, &transport, &features, &field).collapsed_sectors;
-            rounds += 1;
-            if collapsed.is_empty() || rounds > 4 {
-                break;
-            }
-            for v in collapsed {
-                let now = field.index(&mesh, &transport, v);
-                constraints.indices.retain(|i| i.0 != v);
-                constraints.indices.push((v, now - 1));
-            }
-        }
+        let (field, _): (CrossField, _) =
+            solve_open_field(&mesh, &transport, &length, &features, &constraints.0, &field_options, &progress)?;
         let singular = field.singularities(&mesh, &transport).len();
         let field_seconds = lap();
         let mut parametrizer = Parametrizer::new(&mesh, &features, &field)?;
@@ -56,9 +47,26 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let r = &result.report;
         println!(
             "{:24} faces {:6} singular {:4} features {:5} collapsed {:3} integers {:5} | solve {:4} stiffen {:4} ({}) untangle {:4} ({} steps) left {:4} {:?} {:?} | remesh {:.2} field {:.2} map {:.2} = {:.2} {:.2} {:.2}",
-            path.rsplit('/').next().unwrap_or(""), mesh.face_count(), singular, features.edge_count(), collapsed, r.integers,
-            r.inverted_after_solve, r.stiffen.inverted_after, r.stiffen.iterations, r.untangle.inverted_after, r.untangle.steps,
-            result.inverted.len(), r.rung, r.separation, remesh_seconds, field_seconds, map_seconds, r.seconds[0], r.seconds[1], r.seconds[2],
+            path.rsplit('/').next().unwrap_or(""),
+            mesh.face_count(),
+            singular,
+            features.edge_count(),
+            collapsed,
+            r.integers,
+            r.inverted_after_solve,
+            r.stiffen.inverted_after,
+            r.stiffen.iterations,
+            r.untangle.inverted_after,
+            r.untangle.steps,
+            result.inverted.len(),
+            r.rung,
+            r.separation,
+            remesh_seconds,
+            field_seconds,
+            map_seconds,
+            r.seconds[0],
+            r.seconds[1],
+            r.seconds[2],
         );
         if std::env::var_os("FOLDS").is_some() {
             let charts = parametrizer.charts();
@@ -76,11 +84,26 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                         charts.singular.iter().find(|s| s.0 == v).map_or(String::new(), |s| format!("s{}", s.1)),
                     )
                 });
-                println!("    {f} {corners:?} {:?}", result.map.face_uv(&mesh, f).map(|p| p.map(|x| x as f64 / 16777216.0)));
-                println!("        angles {:?} valences {:?}", { let a = metric::corner_angles(&mesh, &length); mesh.face_half_edges(f).map(|h| a[h].to_degrees().round()) }, mesh.face_vertices(f).map(|v| mesh.valence(v)));
+                println!(
+                    "    {f} {corners:?} {:?}",
+                    result.map.face_uv(&mesh, f).map(|p| p.map(|x| x as f64 / 16777216.0))
+                );
+                println!(
+                    "        angles {:?} valences {:?}",
+                    {
+                        let a = metric::corner_angles(&mesh, &length);
+                        mesh.face_half_edges(f).map(|h| a[h].to_degrees().round())
+                    },
+                    mesh.face_vertices(f).map(|v| mesh.valence(v))
+                );
             }
         }
-        let defects = result.map.check(&mesh, &features).into_iter().filter(|d| !matches!(d, quadloom_param::MapDefect::Inverted(_))).count();
+        let defects = result
+            .map
+            .check(&mesh, &features)
+            .into_iter()
+            .filter(|d| !matches!(d, quadloom_param::MapDefect::Inverted(_)))
+            .count();
         if defects > 0 {
             println!("    {defects} DEFECTS, first {:?}", result.map.check(&mesh, &features)[0]);
         }

@@ -14,7 +14,8 @@
 use quadloom_field::{CrossField, Transport};
 use quadloom_mesh::topology::cut_graph;
 use quadloom_mesh::{
-    CornerMap, EdgeMap, FaceId, FaceMap, FeatureGraph, HalfEdgeId, HalfEdgeMap, TriConnectivity, VertexId, VertexMap, metric,
+    CornerMap, EdgeMap, FaceId, FaceMap, FeatureGraph, HalfEdgeId, HalfEdgeMap, TriConnectivity, VertexId, VertexMap,
+    metric,
 };
 use std::collections::VecDeque;
 use std::f64::consts::FRAC_PI_2;
@@ -120,6 +121,20 @@ impl Charts {
     }
 }
 
+/// Vertices with a sector between two feature edges to which the field gives no quarter turn, ascending.
+///
+/// # Cost       linear
+pub fn collapsed_sectors(
+    mesh: &TriConnectivity,
+    length: &EdgeMap<f64>,
+    transport: &Transport,
+    features: &FeatureGraph,
+    field: &CrossField,
+) -> Vec<VertexId> {
+    let angle = metric::corner_angles(mesh, length);
+    feature_sectors(mesh, features, field, &angle, transport).1
+}
+
 fn quarter(angle: f64) -> u8 {
     ((angle / FRAC_PI_2).round() as i64).rem_euclid(4) as u8
 }
@@ -206,7 +221,7 @@ fn feature_sectors(
                 sectors.push(0.0);
             } else if let Some(t) = mesh.twin(h) {
                 // Crossing from the clockwise neighbour t into the face of h.
-                                if let Some(sum) = sectors.last_mut() {
+                if let Some(sum) = sectors.last_mut() {
                     *sum -= field.turn(mesh, transport, t);
                 }
             }
@@ -251,9 +266,9 @@ fn collect_segments(
             let mut h = h0;
             while !ends_here(mesh.target(h)) {
                 let v = mesh.target(h);
-                let next = mesh.outgoing(v).find(|&g| {
-                    is_seam[mesh.edge(g)] && !done[mesh.edge(g)] && quarter_turns[g] == quarter_turns[h0]
-                });
+                let next = mesh
+                    .outgoing(v)
+                    .find(|&g| is_seam[mesh.edge(g)] && !done[mesh.edge(g)] && quarter_turns[g] == quarter_turns[h0]);
                 let Some(g) = next else { break };
                 done[mesh.edge(g)] = true;
                 sides.push(g);

@@ -12,7 +12,7 @@ use crate::problem::{
     EnergyOptions, FaceGradient, MapConstraints, face_gradients, map_constraints, orientation_energy, variable_count,
 };
 use crate::quantise::{Separation, SeparationOptions, SeparationReport, separate};
-use crate::stiffen::{StiffenOptions, StiffenReport, stiffen};
+use crate::stiffen::{self, StiffenOptions, StiffenReport, stiffen};
 use crate::tmesh::trace;
 use crate::untangle::{UntangleOptions, UntangleReport, untangle};
 use quadloom_field::{CrossField, SizeField, Transport};
@@ -33,6 +33,8 @@ pub struct ParamOptions {
     pub untangle: UntangleOptions,
     /// Re-rounding under separation conditions.
     pub separation: SeparationOptions,
+    /// Stiffened re-solves of the seamless map that separation starts from. Default 8: most need one or two.
+    pub seamless_rounds: u32,
 }
 
 impl Default for ParamOptions {
@@ -43,6 +45,7 @@ impl Default for ParamOptions {
             stiffen: StiffenOptions::default(),
             untangle: UntangleOptions::default(),
             separation: SeparationOptions::default(),
+            seamless_rounds: 8,
         }
     }
 }
@@ -194,8 +197,10 @@ impl<'a> Parametrizer<'a> {
                 }
             } else {
                 report.separation = second.separation;
-                report.untangle = untangle(self.mesh, &mut placed, &gradient, &options.untangle, progress);
-                inverted = placed.inverted_faces(self.mesh);
+                if inverted.len() <= HOPELESS_FOLDS {
+                    report.untangle = untangle(self.mesh, &mut placed, &gradient, &options.untangle, progress);
+                    inverted = placed.inverted_faces(self.mesh);
+                }
             }
         }
         report.seconds[2] = start.elapsed().as_secs_f64() - report.seconds[1];
@@ -244,6 +249,38 @@ impl<'a> Parametrizer<'a> {
         Ok(Rung::Untangled)
     }
 
+    /// A seamless map: integers on a grid so fine that rounding to it does not matter; or the faces left inverted.
+    ///
+    /// Singular vertices and features can start on the wrong side of each other, where untangling cannot help; hence
+    /// whole re-solves with stiffened weights ([Bommes2012] §8.4), each followed by untangling.
+    fn seamless(
+        &mut self,
+        gradient: &FaceMap<FaceGradient>,
+        options: &ParamOptions,
+        progress: &Progress,
+    ) -> Result<Result<PlacedMap, Vec<FaceId>>, ParamError> {
+        let fine = GRID_UNIT >> SEAMLESS_BITS;
+        let scale = (GRID_UNIT / fine) as f64;
+        let direct = SolveOptions { rounding: Rounding::Direct, ..SolveOptions::default() };
+        let mut weight = FaceMap::filled(self.mesh.face_count(), 1.0);
+        let mut folds = Vec::new();
+        for round in 0..=options.seamless_rounds {
+            progress.check()?;
+            let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, scale);
+            let solution = self.solver.solve(&energy, &direct).map_err(|e| solve_error(e, progress))?;
+            let mut map = PlacedMap::new(self.mesh, &self.charts, &solution.x, fine).map_err(ParamError::Placement)?;
+            if round < options.seamless_rounds {
+                stiffen::reweight(self.mesh, &map, gradient, &mut weight, &options.stiffen);
+            }
+            untangle(self.mesh, &mut map, gradient, &options.untangle.quick(), progress);
+            folds = map.inverted_faces(self.mesh);
+            if folds.is_empty() {
+                return Ok(Ok(map));
+            }
+        }
+        Ok(Err(folds))
+    }
+
     /// Integers that keep every arc of the seamless map's motorcycle graph; `None` where there is no fold-free
     /// seamless map or no such integers were found.
     fn separated(
@@ -253,25 +290,19 @@ impl<'a> Parametrizer<'a> {
         report: &mut ParamReport,
         progress: &Progress,
     ) -> Result<Option<PlacedMap>, ParamError> {
+        // 1. A seamless map without folds.
+        let seamless = match self.seamless(gradient, options, progress)? {
+            Ok(map) => map,
+            Err(folds) => {
+                report.separation = Some(SeparationReport {
+                    seamless_inverted: folds.len(),
+                    seamless_inverted_faces: folds.into_iter().take(MAX_NAMED_FACES).collect(),
+                    ..Default::default()
+                });
+                return Ok(None);
+            }
+        };
         let weight = FaceMap::filled(self.mesh.face_count(), 1.0);
-        // 1. A seamless map: integers on a grid so fine that rounding to it does not matter.
-        let fine = GRID_UNIT >> SEAMLESS_BITS;
-        let scale = (GRID_UNIT / fine) as f64;
-        let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, scale);
-        let direct = SolveOptions { rounding: Rounding::Direct, ..SolveOptions::default() };
-        let solution = self.solver.solve(&energy, &direct).map_err(|e| solve_error(e, progress))?;
-        let mut seamless =
-            PlacedMap::new(self.mesh, &self.charts, &solution.x, fine).map_err(ParamError::Placement)?;
-        self.repair(&mut seamless, gradient, options, &options.untangle, &mut ParamReport::default(), progress)?;
-        let folds = seamless.inverted_faces(self.mesh);
-        if !folds.is_empty() {
-            report.separation = Some(SeparationReport {
-                seamless_inverted: folds.len(),
-                seamless_inverted_faces: folds.into_iter().take(MAX_NAMED_FACES).collect(),
-                ..Default::default()
-            });
-            return Ok(None);
-        }
         // 2. Its motorcycle graph.
         let lattice = seamless.to_lattice(self.mesh);
         let Ok(tmesh) = trace(self.mesh, self.features, &self.charts, &lattice, progress) else {
@@ -288,8 +319,8 @@ impl<'a> Parametrizer<'a> {
                 }
                 _ => Vec::new(),
             };
-            let mut solver = Solver::new(variable_count(&self.charts), &constraints, &self.constraints.integers)
-                .map_err(named)?;
+            let mut solver =
+                Solver::new(variable_count(&self.charts), &constraints, &self.constraints.integers).map_err(named)?;
             let greedy = SolveOptions::default();
             solver.solve(&energy, &greedy).map(|s| s.x).map_err(named)
         });
@@ -301,6 +332,9 @@ impl<'a> Parametrizer<'a> {
         }
     }
 }
+
+/// Inverted faces beyond which untangling at the first integers is not worth its time once separation has failed.
+const HOPELESS_FOLDS: usize = 12;
 
 /// Faces that a report names.
 const MAX_NAMED_FACES: usize = 20;

@@ -33,8 +33,7 @@ pub fn face_gradients(
     FaceMap::from_fn(mesh.face_count(), |f| {
         let corner = metric::face_layout(mesh, length, f);
         let axis = field.angle[f] + f64::from(charts.axis[f]) * std::f64::consts::FRAC_PI_2;
-        let (h_u, h_v) =
-            if charts.axis[f].is_multiple_of(2) { (size.u[f], size.v[f]) } else { (size.v[f], size.u[f]) };
+        let (h_u, h_v) = if charts.axis[f].is_multiple_of(2) { (size.u[f], size.v[f]) } else { (size.v[f], size.u[f]) };
         let (sin, cos) = axis.sin_cos();
         let mut p = corner.map(|c| DVec2::new((c.x * cos + c.y * sin) / h_u, (c.y * cos - c.x * sin) / h_v));
         let longest = (0..3).map(|k| p[k].distance(p[(k + 1) % 3])).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
@@ -101,7 +100,8 @@ pub fn orientation_energy(
         let FaceGradient { hat, area } = &gradient[f];
         let w = weight[f] * area;
         // u: weight γ along x (target 1), 1 along y (target 0); v the other way round.
-        for (component, norm, target) in [(0, DVec2::new(along, 1.0), DVec2::X), (1, DVec2::new(1.0, along), DVec2::Y)] {
+        for (component, norm, target) in [(0, DVec2::new(along, 1.0), DVec2::X), (1, DVec2::new(1.0, along), DVec2::Y)]
+        {
             for i in 0..3 {
                 let row = 2 * node[i] + component;
                 energy.add_rhs(row, 2.0 * w * scale * (hat[i] * norm).dot(target));
@@ -227,11 +227,7 @@ pub fn map_constraints(mesh: &TriConnectivity, features: &FeatureGraph, charts: 
 }
 
 /// Per component the first integer vertex whose position is free to choose, else a feature vertex, else any.
-fn anchors(
-    mesh: &TriConnectivity,
-    charts: &Charts,
-    on_feature: &quadloom_mesh::VertexMap<bool>,
-) -> Vec<VertexId> {
+fn anchors(mesh: &TriConnectivity, charts: &Charts, on_feature: &quadloom_mesh::VertexMap<bool>) -> Vec<VertexId> {
     let mut seen = FaceMap::filled(mesh.face_count(), false);
     let mut chosen = Vec::new();
     for &root in &charts.roots {
@@ -243,7 +239,13 @@ fn anchors(
                 let v = mesh.origin(h);
                 // A leaf of the seams is a fixed point of its own transition; it cannot be pinned to zero freely,
                 // but pinning it moves the translation along, so it is as good as any.
-                let rank = if charts.is_integer[v] { 0 } else if on_feature[v] { 1 } else { 2 };
+                let rank = if charts.is_integer[v] {
+                    0
+                } else if on_feature[v] {
+                    1
+                } else {
+                    2
+                };
                 if best.is_none_or(|b| (rank, v) < b) {
                     best = Some((rank, v));
                 }

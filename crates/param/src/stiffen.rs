@@ -64,10 +64,7 @@ pub fn stiffen(
             break;
         }
         // 1. Weights from the distortion of the last solution.
-        let distortion = FaceMap::from_fn(mesh.face_count(), |f| {
-            distortion(jacobian(&gradient[f], trial.face(mesh, f)))
-        });
-        update_weights(mesh, &distortion, &mut weight, options);
+        reweight(mesh, &trial, gradient, &mut weight, options);
         // 2. New solution.
         if !solver.solve(mesh, &mut trial, gradient, &weight, energy) {
             break;
@@ -88,6 +85,18 @@ pub fn stiffen(
     map.point = points;
     report.inverted_after = best;
     report
+}
+
+/// Raises the weights of faces whose distortion differs from their neighbours'.
+pub(crate) fn reweight(
+    mesh: &TriConnectivity,
+    map: &PlacedMap,
+    gradient: &FaceMap<FaceGradient>,
+    weight: &mut FaceMap<f64>,
+    options: &StiffenOptions,
+) {
+    let distortion = FaceMap::from_fn(mesh.face_count(), |f| distortion(jacobian(&gradient[f], map.face(mesh, f))));
+    update_weights(mesh, &distortion, weight, options);
 }
 
 /// λ = |τσ₁ − 1| + |τσ₂ − 1| with τ the orientation ([Bommes2012] §8.4; the sizes are already divided out).
@@ -173,7 +182,10 @@ impl PlacedSolver {
                 for (k, &h) in corner.iter().enumerate() {
                     for component in 0..2 {
                         let Some(i) = self.unknown[mesh.origin(h)][component] else { continue };
-                        let e = turn([f64::from(component == 0), f64::from(component == 1)], map.to_corner[h].quarter_turns);
+                        let e = turn(
+                            [f64::from(component == 0), f64::from(component == 1)],
+                            map.to_corner[h].quarter_turns,
+                        );
                         if e[row] != 0.0 {
                             terms.push((i, gradient[f].hat[k] * e[row]));
                         }

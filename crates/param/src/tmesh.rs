@@ -258,7 +258,13 @@ impl<'a> Tracer<'a> {
     fn side_direction(&self, h: HalfEdgeId) -> u8 {
         let (p, q) = (self.map.uv[h], self.map.uv[self.mesh.next(h)]);
         let d = [q[0] - p[0], q[1] - p[1]];
-        if d[0].abs() >= d[1].abs() { if d[0] >= 0 { 0 } else { 2 } } else if d[1] >= 0 { 1 } else { 3 }
+        if d[0].abs() >= d[1].abs() {
+            if d[0] >= 0 { 0 } else { 2 }
+        } else if d[1] >= 0 {
+            1
+        } else {
+            3
+        }
     }
 
     /// Every side of every feature belongs to a line from the integer vertex behind it.
@@ -281,13 +287,8 @@ impl<'a> Tracer<'a> {
         let start = Some(self.node_of[mesh.origin(first)]).filter(|&n| n != u32::MAX);
         self.lines.push(Line { start, junctions: Vec::new(), end: None, on_feature: true });
         let place = self.new_place(first);
-        let mut passage = Passage {
-            line,
-            direction: self.side_direction(first),
-            source: self.map.uv[first],
-            place,
-            end: i64::MAX,
-        };
+        let mut passage =
+            Passage { line, direction: self.side_direction(first), source: self.map.uv[first], place, end: i64::MAX };
         let mut h = first;
         loop {
             self.feature_side[h] = Some(passage);
@@ -473,9 +474,10 @@ impl<'a> Tracer<'a> {
         };
         match entered {
             None => {
-                let corner = mesh.face_half_edges(face).into_iter().find(|&h| {
-                    self.map.uv[h] == p.source && self.charts.is_integer[mesh.origin(h)]
-                });
+                let corner = mesh
+                    .face_half_edges(face)
+                    .into_iter()
+                    .find(|&h| self.map.uv[h] == p.source && self.charts.is_integer[mesh.origin(h)]);
                 corner.map(|h| mesh.next(h)).ok_or(TraceError::Stuck(face))
             }
             Some(g) => {
@@ -522,4 +524,3 @@ impl<'a> Tracer<'a> {
 pub fn evaluate(form: &Form, x: &[f64]) -> f64 {
     form.iter().map(|&(i, c)| f64::from(c) * x[i as usize]).sum()
 }
-

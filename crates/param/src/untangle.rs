@@ -238,8 +238,7 @@ impl<'a> Region<'a> {
                 mesh.face_half_edges(f).map(|h| {
                     let vertex = mesh.origin(h);
                     let t = map.to_corner[h];
-                    let translation =
-                        t.translation.map(|x| x as f64 / crate::integer_grid_map::GRID_UNIT as f64);
+                    let translation = t.translation.map(|x| x as f64 / crate::integer_grid_map::GRID_UNIT as f64);
                     let unknown = inside.binary_search(&vertex).map_or([None; 2], |i| unknown_of[i]);
                     Corner { vertex, quarter_turns: t.quarter_turns, translation, unknown }
                 })
@@ -253,9 +252,9 @@ impl<'a> Region<'a> {
         self.faces
             .iter()
             .filter(|&&f| {
-                let [a, b, c] = mesh.face_half_edges(f).map(|h| {
-                    map.to_corner[h].apply(map.point[mesh.origin(h)].map(|x| (x * unit).round() as i64))
-                });
+                let [a, b, c] = mesh
+                    .face_half_edges(f)
+                    .map(|h| map.to_corner[h].apply(map.point[mesh.origin(h)].map(|x| (x * unit).round() as i64)));
                 crate::integer_grid_map::signed_area(a, b, c) <= 0
             })
             .count()
@@ -287,11 +286,7 @@ impl<'a> Region<'a> {
         let sigma = (1.0 - new / old.max(f64::MIN_POSITIVE)).max(0.1);
         let mu = (1.0 - sigma) * chi(self.least_determinant(map), epsilon).0;
         let least = self.least_determinant(map);
-        if least < mu {
-            2.0 * (mu * (mu - least)).max(0.0).sqrt()
-        } else {
-            1e-10
-        }
+        if least < mu { 2.0 * (mu * (mu - least)).max(0.0).sqrt() } else { 1e-10 }
     }
 
     fn energy(&self, map: &PlacedMap, lambda: f64, epsilon: f64) -> f64 {
@@ -441,8 +436,5 @@ fn positive_part(a: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
             }
         }
     }
-    std::array::from_fn(|k| {
-        std::array::from_fn(|l| (0..4).map(|e| q[k][e] * m[e][e].max(0.0) * q[l][e]).sum())
-    })
+    std::array::from_fn(|k| std::array::from_fn(|l| (0..4).map(|e| q[k][e] * m[e][e].max(0.0) * q[l][e]).sum()))
 }
-

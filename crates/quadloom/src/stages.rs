@@ -9,13 +9,11 @@ use crate::error::RemeshError;
 use crate::features::without_boundary;
 use crate::options::{Elements, Method, RemeshOptions};
 use quadloom_extract::Extraction;
-use quadloom_field::{
-    CrossField, FieldConstraints, FieldOptions, FieldReport, SizeField, Transport, solve_cross_field,
-};
+use quadloom_field::{CrossField, FieldConstraints, FieldOptions, FieldReport, SizeField, Transport};
 use quadloom_mesh::refine::separate_features;
 use quadloom_mesh::remesh::{self, TargetLength, isotropic};
 use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, TriMesh, VertexId, metric};
-use quadloom_param::{GRID_UNIT, IntegerGridMap, ParamOptions, Parametrization, Parametrizer};
+use quadloom_param::{GRID_UNIT, IntegerGridMap, ParamOptions, Parametrization, Parametrizer, solve_open_field};
 
 /// Edge length of the work mesh, relative to that of the quads.
 ///
@@ -118,7 +116,7 @@ pub fn cross_field(
     let (mut constraints, _) = FieldConstraints::from_features(mesh, &transport, &length, &work.binding);
     constraints.indices = singularities.to_vec();
     let options = FieldOptions { cancel_distance: CANCEL_DISTANCE_REL * quad_edge, ..FieldOptions::default() };
-    solve_cross_field(mesh, &transport, &length, &constraints, &options, progress).map_err(|e| match e {
+    solve_open_field(mesh, &transport, &length, &work.binding, &constraints, &options, progress).map_err(|e| match e {
         quadloom_field::FieldError::Cancelled(c) => c.into(),
         quadloom_field::FieldError::NoInteriorVertex { .. } | quadloom_field::FieldError::Unsatisfiable { .. } => {
             RemeshError::Mismatch { what: "the list of singularities", why: e.to_string() }
