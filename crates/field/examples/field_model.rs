@@ -34,7 +34,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             _ => files.push(word),
         }
     }
-    println!("{:24} {:>7} {:>6} | start {:>9} {:>5} | result {:>9} {:>5}  by index", "model", "faces", "fixed", "E", "sing", "E", "sing");
+    println!(
+        "{:24} {:>7} {:>6} | start {:>9} {:>5} | result {:>9} {:>5}  by index",
+        "model", "faces", "fixed", "E", "sing", "E", "sing"
+    );
     for file in files {
         let input = read_obj(&file)?;
         let target = (input.area() / quads).sqrt();
@@ -62,7 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         let name = file.rsplit('/').next().unwrap_or(&file);
         println!(
-            "{name:24} {:7} {:6} | {:9.3} {:5} | {:9.3} {:5} {by_index:?} moves {} pairs {} defects {} far {} | {:.3} + {:.3} = {seconds:.3} s, cpu {cpu:.3} s",
+            "{name:24} {:7} {:6} | {:9.3} {:5} | {:9.3} {:5} {by_index:?} moves {} pairs {} twists {} defects {} far {} | {:.3} + {:.3} = {seconds:.3} s, cpu {cpu:.3} s",
             mesh.face_count(),
             constraints.fixed_faces().count(),
             report.start_energy,
@@ -71,6 +74,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             report.singularities,
             report.moves,
             report.cancelled_pairs,
+            report.twists,
             field.check(&mesh, &transport).len(),
             field.far_matchings(&mesh, &transport).len(),
             report.seconds[0],

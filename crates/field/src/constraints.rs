@@ -5,6 +5,7 @@
 //! Source: [Bommes2012] §8.2 (constrained faces), §8.4 (features), §8.6 (prescribed indices and index sums).
 
 use crate::cross_field::CrossField;
+use crate::curvature::SalientDirection;
 use crate::error::FieldError;
 use crate::transport::Transport;
 use quadloom_mesh::metric::FaceFrame;
@@ -27,6 +28,9 @@ pub struct FieldConstraints {
     pub angle: FaceMap<Option<f64>>,
     /// Directions followed in the least-squares sense; not looked at where [`FieldConstraints::angle`] is given.
     pub soft: FaceMap<Option<SoftDirection>>,
+    /// Directions that cost nothing to follow: a component without any hard or soft direction is turned as a whole so
+    /// that it agrees with them best, weight by weight.
+    pub preferred: FaceMap<Option<SoftDirection>>,
     /// Prescribed indices of interior vertices, quarters; 0 asks for a regular vertex.
     pub indices: Vec<(VertexId, i32)>,
     /// Prescribed sums of the indices of several interior vertices, quarters.
@@ -40,6 +44,7 @@ impl FieldConstraints {
         Self {
             angle: FaceMap::filled(faces, None),
             soft: FaceMap::filled(faces, None),
+            preferred: FaceMap::filled(faces, None),
             indices: Vec::new(),
             regions: Vec::new(),
         }
@@ -88,6 +93,19 @@ impl FieldConstraints {
         Ok(())
     }
 
+    /// Salient directions become hard (`weight` is `None`) or soft directions of the faces that have no hard one.
+    ///
+    /// # Source     [Bommes2012] §8.1 (hard)
+    pub fn add_salient(&mut self, salient: &FaceMap<Option<SalientDirection>>, weight: Option<f64>) {
+        for (f, direction) in salient.iter() {
+            let Some(direction) = direction.filter(|_| self.angle[f].is_none()) else { continue };
+            match weight {
+                None => self.angle[f] = Some(direction.angle),
+                Some(weight) => self.soft[f] = Some(SoftDirection { angle: direction.angle, weight }),
+            }
+        }
+    }
+
     /// Faces with a hard direction.
     pub fn fixed_faces(&self) -> impl Iterator<Item = FaceId> + '_ {
         self.angle.iter().filter(|(_, angle)| angle.is_some()).map(|(f, _)| f)
@@ -115,14 +133,15 @@ impl FieldConstraints {
     /// Refuses wrong sizes, numbers that are not finite, and prescriptions where no index is defined.
     pub(crate) fn validate(&self, mesh: &TriConnectivity) -> Result<(), FieldError> {
         let expected = mesh.face_count();
-        for found in [self.angle.len(), self.soft.len()] {
+        for found in [self.angle.len(), self.soft.len(), self.preferred.len()] {
             if found != expected {
                 return Err(FieldError::WrongLength { expected, found });
             }
         }
         for f in mesh.faces() {
             let hard = self.angle[f].is_none_or(f64::is_finite);
-            let soft = self.soft[f].is_none_or(|s| s.angle.is_finite() && s.weight.is_finite() && s.weight >= 0.0);
+            let sound = |s: SoftDirection| s.angle.is_finite() && s.weight.is_finite() && s.weight >= 0.0;
+            let soft = [self.soft[f], self.preferred[f]].into_iter().all(|s| s.is_none_or(sound));
             if !hard || !soft {
                 return Err(FieldError::NotFinite { face: f });
             }

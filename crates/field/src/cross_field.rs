@@ -15,9 +15,7 @@
 use crate::error::FieldError;
 use crate::transport::Transport;
 use quadloom_mesh::metric::FaceFrame;
-use quadloom_mesh::{
-    DVec3, EdgeId, EdgeMap, FaceId, FaceMap, HalfEdgeId, TriConnectivity, TriMesh, VertexId,
-};
+use quadloom_mesh::{DVec3, EdgeId, EdgeMap, FaceId, FaceMap, HalfEdgeId, TriConnectivity, TriMesh, VertexId};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 

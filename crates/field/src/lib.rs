@@ -5,7 +5,9 @@
 
 pub mod constraints;
 pub mod cross_field;
+pub mod curvature;
 pub mod error;
+mod loops;
 mod mixed_integer;
 mod search;
 pub mod sizing;
@@ -16,7 +18,8 @@ pub mod transport;
 
 pub use constraints::{FieldConstraints, SoftDirection};
 pub use cross_field::{CrossField, FieldDefect};
+pub use curvature::{Curvature, SalientDirection, SalientOptions, curvature_at, curvatures, salient_directions};
 pub use error::FieldError;
-pub use sizing::SizeField;
+pub use sizing::{CurvatureSizing, SizeField, curl_potential, local_feature_size};
 pub use solve::{FieldOptions, FieldReport, FieldStart, solve_cross_field};
 pub use transport::Transport;

@@ -16,7 +16,9 @@ use crate::system::{Roots, interior_edges, number_free_faces};
 use crate::transport::Transport;
 use quadloom_mesh::topology::dual_forest;
 use quadloom_mesh::{EdgeId, EdgeMap, FaceId, Progress, TriConnectivity, VertexId};
-use quadloom_numeric::{Constraints, MixedIntegerProblem, Quadratic, Rounding, SolveError, SolveOptions, SolveReport, solve};
+use quadloom_numeric::{
+    Constraints, MixedIntegerProblem, Quadratic, Rounding, SolveError, SolveOptions, SolveReport, solve,
+};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 /// Period jumps found by the mixed-integer solver, with its report.

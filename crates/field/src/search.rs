@@ -16,6 +16,7 @@
 
 use crate::cross_field::CrossField;
 use crate::error::FieldError;
+use crate::loops::homology_loops;
 use crate::system::{SmoothnessSystem, neighbours};
 use crate::transport::Transport;
 use quadloom_mesh::{EdgeId, EdgeMap, FaceId, FaceMap, Progress, TriConnectivity, VertexId, VertexMap};
@@ -38,6 +39,9 @@ const SMALLEST_MOVING_TURN: f64 = 0.15 * PI / 4.0;
 /// Radians² by which the estimate of a pair's cost may be too large before the pair is overlooked.
 const ESTIMATE_MARGIN: f64 = 0.1;
 
+/// Radians² that a twist around a handle must gain at first order for its cost to be computed.
+const LEAST_TWIST: f64 = 1e-3;
+
 /// What a search did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct SearchCounts {
@@ -45,6 +49,8 @@ pub(crate) struct SearchCounts {
     pub moves: usize,
     /// Pairs of opposite sign that were joined along a path.
     pub cancelled_pairs: usize,
+    /// Quarter turns around handles.
+    pub twists: usize,
     /// Solves of the whole system.
     pub solves: usize,
 }
@@ -78,6 +84,8 @@ pub(crate) struct Search<'a> {
     unit_cost: EdgeMap<Option<f64>>,
     /// Q of the shortest path between two vertices, once computed.
     pair_cost: BTreeMap<(VertexId, VertexId), f64>,
+    /// Q of a loop, once computed.
+    loop_cost: BTreeMap<usize, f64>,
     pub counts: SearchCounts,
 }
 
@@ -113,6 +121,7 @@ impl<'a> Search<'a> {
             index: VertexMap::filled(mesh.vertex_count(), 0),
             unit_cost: EdgeMap::filled(mesh.edge_count(), None),
             pair_cost: BTreeMap::new(),
+            loop_cost: BTreeMap::new(),
             counts: SearchCounts::default(),
         };
         for v in mesh.vertices() {
@@ -134,10 +143,13 @@ impl<'a> Search<'a> {
 
     /// Moves and cancels until neither helps.
     pub fn run(&mut self, progress: &Progress) -> Result<(), FieldError> {
+        let loops = homology_loops(self.mesh, self.length);
+        self.twist_loops(&loops, progress)?;
         // Each round ends with fewer pairs; the limit only guards against rounding errors.
         for _ in 0..20 {
             self.move_singularities(progress)?;
-            if !self.cancel_pairs(progress)? {
+            let joined = self.cancel_pairs(progress)?;
+            if !joined && !self.twist_loops(&loops, progress)? {
                 break;
             }
         }
@@ -388,15 +400,14 @@ impl Search<'_> {
 
     /// Q of every path that is not known yet, eight right-hand sides at a time.
     fn compute_costs(&mut self, pairs: &[Transfer], progress: &Progress) -> Result<(), FieldError> {
-        let unknown: Vec<&Transfer> =
-            pairs.iter().filter(|t| !self.pair_cost.contains_key(&(t.from, t.to))).collect();
+        let unknown: Vec<&Transfer> = pairs.iter().filter(|t| !self.pair_cost.contains_key(&(t.from, t.to))).collect();
         for batch in unknown.chunks(8) {
             progress.check()?;
             let changes: Vec<&[(EdgeId, i32)]> = batch.iter().map(|t| t.changes.as_slice()).collect();
             let responses = self.system.responses(&changes);
             self.counts.solves += batch.len();
             for (column, transfer) in batch.iter().enumerate() {
-                let cost = self.path_cost(transfer, |f| self.system.change(&responses, column, f));
+                let cost = self.cost_of(&transfer.changes, |f| self.system.change(&responses, column, f));
                 self.pair_cost.insert((transfer.from, transfer.to), cost);
             }
         }
@@ -419,17 +430,17 @@ impl Search<'_> {
     }
 
     fn linear_change(&self, transfer: &Transfer) -> f64 {
-        -PI * transfer.changes.iter().map(|&(e, amount)| f64::from(amount) * self.turn[e]).sum::<f64>()
+        -PI * self.linear_turn(&transfer.changes)
     }
 
-    /// Q of a path, given the angles' response to its changes.
-    fn path_cost(&self, transfer: &Transfer, x: impl Fn(FaceId) -> f64) -> f64 {
+    /// Q of a set of changes, given the angles' response to them.
+    fn cost_of(&self, changes: &[(EdgeId, i32)], x: impl Fn(FaceId) -> f64) -> f64 {
         let cost = |&(e, amount): &(EdgeId, i32)| {
             let (i, j) = self.mesh.edge_faces(e);
             let response = j.map_or(0.0, |j| x(j) - x(i));
             f64::from(amount) * (FRAC_PI_2 * f64::from(amount) - response)
         };
-        FRAC_PI_2 * transfer.changes.iter().map(cost).sum::<f64>()
+        FRAC_PI_2 * changes.iter().map(cost).sum::<f64>()
     }
 
     /// Shortest paths from every positive singularity to the negative ones within reach, at most four each.
@@ -497,9 +508,52 @@ impl Search<'_> {
     }
 }
 
+/// Twists around handles.
+impl Search<'_> {
+    /// Turns the field by a quarter more or less around loops that no singularity can cross, while the energy falls;
+    /// whether it did. Indices do not change.
+    fn twist_loops(&mut self, loops: &[Vec<(EdgeId, i32)>], progress: &Progress) -> Result<bool, FieldError> {
+        let gain = |search: &Self, k: usize| PI * search.linear_turn(&loops[k]).abs();
+        // 1. Exact costs of the loops along which there is something to gain.
+        for batch in (0..loops.len()).filter(|&k| gain(self, k) > LEAST_TWIST).collect::<Vec<_>>().chunks(8) {
+            progress.check()?;
+            let unknown: Vec<usize> = batch.iter().copied().filter(|k| !self.loop_cost.contains_key(k)).collect();
+            let changes: Vec<&[(EdgeId, i32)]> = unknown.iter().map(|&k| loops[k].as_slice()).collect();
+            let responses = self.system.responses(&changes);
+            self.counts.solves += unknown.len();
+            for (column, &k) in unknown.iter().enumerate() {
+                let cost = self.cost_of(&loops[k], |f| self.system.change(&responses, column, f));
+                self.loop_cost.insert(k, cost);
+            }
+        }
+        // 2. The best twist, until none helps.
+        let mut twisted = false;
+        loop {
+            let known = self.loop_cost.iter().map(|(&k, &cost)| (cost - gain(self, k), k));
+            let Some((change, k)) = known.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))) else { break };
+            if change > -LEAST_GAIN {
+                break;
+            }
+            progress.check()?;
+            let sign = if self.linear_turn(&loops[k]) > 0.0 { 1 } else { -1 };
+            let changes: Vec<(EdgeId, i32)> = loops[k].iter().map(|&(e, amount)| (e, sign * amount)).collect();
+            self.apply(&changes);
+            self.solve();
+            self.counts.twists += 1;
+            twisted = true;
+        }
+        Ok(twisted)
+    }
+
+    /// Σ δ_e t_e.
+    fn linear_turn(&self, changes: &[(EdgeId, i32)]) -> f64 {
+        changes.iter().map(|&(e, amount)| f64::from(amount) * self.turn[e]).sum()
+    }
+}
+
 /// A finite number ordered by value.
 #[derive(Clone, Copy, PartialEq)]
-struct Key(f64);
+pub(crate) struct Key(pub f64);
 
 impl Eq for Key {}
 impl PartialOrd for Key {

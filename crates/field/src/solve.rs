@@ -8,6 +8,7 @@
 //! 1. Roots: constrained faces, and one face per component without any.
 //! 2. Start: period jumps by mixed-integer rounding or from the globally optimal field.
 //! 3. Local search over the singularities.
+//! 4. Components without any direction turn to the preferred directions.
 
 use crate::constraints::{FieldConstraints, SoftDirection};
 use crate::cross_field::{CrossField, nearest_jump};
@@ -17,7 +18,8 @@ use crate::search::{Search, SearchOptions, index_groups};
 use crate::smoothest::{COARSEST, smoothest_angles};
 use crate::system::{Roots, SmoothnessSystem};
 use crate::transport::Transport;
-use quadloom_mesh::{EdgeMap, FaceId, FaceMap, Progress, TriConnectivity};
+use quadloom_mesh::topology::components;
+use quadloom_mesh::{DVec2, EdgeMap, FaceId, FaceMap, Progress, TriConnectivity};
 use quadloom_numeric::{Rounding, SolveReport};
 use std::f64::consts::FRAC_PI_2;
 use std::time::Instant;
@@ -87,6 +89,8 @@ pub struct FieldReport {
     pub moves: usize,
     /// Pairs of singularities that were joined.
     pub cancelled_pairs: usize,
+    /// Quarter turns around handles.
+    pub twists: usize,
     /// Seconds for the start, and for the search.
     pub seconds: [f64; 2],
 }
@@ -149,12 +153,43 @@ pub fn solve_cross_field(
         search.run(progress)?;
     }
     report.moves = search.counts.moves;
+    report.twists = search.counts.twists;
     report.cancelled_pairs = search.counts.cancelled_pairs;
-    let field = search.into_field();
+    let mut field = search.into_field();
+    // 4. A component without directions is free to turn as a whole.
+    turn_free_components(mesh, &report.anchors, constraints, &mut field);
     report.energy = field.energy(mesh, transport);
     report.singularities = field.singularities(mesh, transport).len();
     report.seconds[1] = clock.elapsed().as_secs_f64();
     Ok((field, report))
+}
+
+/// Adds to all angles of each anchored component the one that brings its crosses nearest to the preferred directions:
+/// the argument of Σ w·e^{4i(α - θ)}, a quarter of it. Neither energy nor indices change.
+fn turn_free_components(
+    mesh: &TriConnectivity,
+    anchors: &[FaceId],
+    constraints: &FieldConstraints,
+    field: &mut CrossField,
+) {
+    if anchors.is_empty() || constraints.preferred.values().iter().all(Option::is_none) {
+        return;
+    }
+    let parts = components(mesh);
+    let mut sum = vec![DVec2::ZERO; parts.count];
+    for (f, preferred) in constraints.preferred.iter() {
+        if let Some(p) = preferred {
+            sum[parts.of_face[f] as usize] += p.weight * DVec2::from_angle(4.0 * (p.angle - field.angle[f]));
+        }
+    }
+    let mut turn = vec![0.0; parts.count];
+    for &f in anchors {
+        let part = parts.of_face[f] as usize;
+        turn[part] = 0.25 * sum[part].y.atan2(sum[part].x);
+    }
+    for f in mesh.faces() {
+        field.angle[f] += turn[parts.of_face[f] as usize];
+    }
 }
 
 /// Takes of each soft direction's four branches the one nearest to the field.

@@ -37,8 +37,7 @@ pub fn cube(levels: usize) -> TriMesh {
 /// A sphere from an octahedron: 8·4^levels triangles.
 pub fn sphere(levels: usize) -> TriMesh {
     let points = vec![DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
-    let faces =
-        vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
+    let faces = vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
     let (points, faces) = subdivide(points, faces, levels);
     TriMesh::new(points.into_iter().map(DVec3::normalize).collect(), &faces).unwrap()
 }
