@@ -9,6 +9,7 @@
 use crate::fill::quadrangulate;
 use crate::grid_points::{Carrier, GridPoint, GridPoints};
 use crate::lattice::{COORDINATE_LIMIT, DIRECTION, GridSegment, difference};
+use crate::mend::open_bad_faces;
 use crate::ports::{Ports, Site};
 use crate::ribbon::{NONE, Orbit, Ribbon};
 use crate::walk::{Arrival, Walker};
@@ -70,6 +71,10 @@ pub struct ExtractReport {
     pub lost: usize,
     /// Grid lines that left the surface: the map is not aligned to the boundary there, quads across it are missing.
     pub trimmed: usize,
+    /// Edges and vertices taken away because they had fewer than three quads around them, or led nowhere.
+    pub simplified: usize,
+    /// Edges taken away because their faces could not become quads.
+    pub mended: usize,
     /// Quads that fill polygons left by folds.
     pub filled: usize,
     /// Feature edges of the mesh that are not on integer iso-lines.
@@ -133,6 +138,9 @@ pub enum ExtractError {
 /// More quads than this are refused: their half-edges would not fit 32-bit ids with room to spare.
 const QUAD_LIMIT: u64 = 100_000_000;
 
+/// Rounds of opening bad faces: each adds a ring of quads to the holes.
+const MEND_ROUNDS: usize = 3;
+
 /// Ports between two looks at the cancellation flag.
 const CHECK_INTERVAL: usize = 4096;
 
@@ -163,16 +171,27 @@ pub fn extract(
     let folds = connect(&walker, &mut ribbon, &mut report, progress)?;
     // 3. Folds are contracted, loose ends removed.
     let leader = contract_folds(&ports, &mut ribbon, folds, &mut report);
-    if report.lost + report.contracted + report.trimmed > 0 {
-        ribbon.remove_dead_ends();
-        ribbon.remove_digons();
-    }
     progress.check()?;
-    // 4. Faces, vertices, and everything that goes with them.
+    // 4. Vertices of one or two quads, which no plane quad mesh can have, go; the map's sharpest cones make them.
     let places = Places::new(&walker, &leader);
-    let polygons = collect_polygons(&ribbon, &walker, &places)?;
-    let extraction = assemble(&walker, &ribbon, &places, polygons, report)?;
-    // 5. The topology must be that of the mesh.
+    let free = |p: u32| {
+        let point = &walker.points.points[places.of_port(&walker, p) as usize];
+        placement(&walker, point) == Placement::Free
+    };
+    report.simplified = ribbon.simplify(free);
+    // 5. Faces, vertices, and everything that goes with them.
+    let mut made = assemble(&walker, &ribbon, &places, &report);
+    for _ in 0..MEND_ROUNDS {
+        // What cannot be a mesh is opened and cut anew.
+        if !matches!(made, Err(ExtractError::NotQuads { .. } | ExtractError::Mesh(_))) {
+            break;
+        }
+        report.mended += open_bad_faces(&mut ribbon, |p| places.of_port(&walker, p));
+        ribbon.simplify(free);
+        made = assemble(&walker, &ribbon, &places, &report);
+    }
+    let extraction = made?;
+    // 6. The topology must be that of the mesh.
     let (expected, found) = (Summary::of(mesh), Summary::of(&extraction.mesh));
     if (expected.chi, expected.components, expected.boundary_loops)
         != (found.chi, found.components, found.boundary_loops)
@@ -409,8 +428,10 @@ fn collect_polygons(ribbon: &Ribbon, walker: &Walker, places: &Places) -> Result
             polygons.push(Polygon { ports, quads: vec![[0, 1, 2, 3]] });
             continue;
         }
-        let corner: Vec<DVec3> = ports.iter().map(|&p| places.position[places.of_port(walker, p) as usize]).collect();
-        if let Some(quads) = quadrangulate(&corner) {
+        let place: Vec<u32> = ports.iter().map(|&p| places.of_port(walker, p)).collect();
+        let corner: Vec<DVec3> = place.iter().map(|&q| places.position[q as usize]).collect();
+        let allowed = |i: usize, j: usize| place[i] != place[j] && !joined(ribbon, walker, places, ports[i], place[j]);
+        if let Some(quads) = quadrangulate(&corner, allowed) {
             polygons.push(Polygon { ports, quads });
         } else {
             if count == 0 {
@@ -429,14 +450,27 @@ fn collect_polygons(ribbon: &Ribbon, walker: &Walker, places: &Places) -> Result
     Err(ExtractError::NotQuads { count, sides, faces })
 }
 
+/// Whether an edge joins the vertex of a port to another vertex.
+fn joined(ribbon: &Ribbon, walker: &Walker, places: &Places, port: u32, other: u32) -> bool {
+    let reaches = |p: u32| {
+        let mate = ribbon.mate[p as usize];
+        mate != NONE && places.of_port(walker, mate) == other
+    };
+    [Ribbon::clockwise, Ribbon::counter_clockwise].iter().any(|step| {
+        let around = std::iter::successors(Some(port), |&p| step(ribbon, p).filter(|&q| q != port));
+        around.into_iter().any(reaches)
+    })
+}
+
 /// Numbers the vertices and builds the quad mesh with its maps.
 fn assemble(
     walker: &Walker,
     ribbon: &Ribbon,
     places: &Places,
-    polygons: Vec<Polygon>,
-    mut report: ExtractReport,
+    report: &ExtractReport,
 ) -> Result<Extraction, ExtractError> {
+    let polygons = collect_polygons(ribbon, walker, places)?;
+    let mut report = report.clone();
     // 1. A vertex per grid point and fan of faces around it: trimming may leave several fans.
     let (vertex_of_corner, point_of_vertex) = number_vertices(ribbon, walker, places, &polygons);
     // 2. Faces, and the feature chain of each of their sides.

@@ -10,6 +10,7 @@ mod fill;
 pub mod finish;
 mod grid_points;
 mod lattice;
+mod mend;
 mod ports;
 pub mod quality;
 pub mod reference;

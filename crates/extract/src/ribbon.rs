@@ -179,7 +179,7 @@ impl Ribbon {
     }
 
     /// Joins parallel edges that bound a face of two sides; returns how many.
-    pub fn remove_digons(&mut self) -> usize {
+    fn remove_digons(&mut self) -> usize {
         let mut removed = 0;
         for p in 0..self.len() as u32 {
             while self.alive[p as usize] {
@@ -202,7 +202,7 @@ impl Ribbon {
     }
 
     /// Removes edges with a dead end, and what they leave as dead ends; returns how many.
-    pub fn remove_dead_ends(&mut self) -> usize {
+    fn remove_dead_ends(&mut self) -> usize {
         let mut removed = 0;
         for start in 0..self.len() as u32 {
             let mut p = start;
@@ -224,6 +224,62 @@ impl Ribbon {
             }
         }
         removed
+    }
+
+    /// Removes dead ends, digons and doublets until there are none; returns how many edges and vertices went.
+    ///
+    /// `free`: whether the vertex of a port may go.
+    pub fn simplify(&mut self, free: impl Fn(u32) -> bool) -> usize {
+        let mut removed = 0;
+        loop {
+            let more = self.remove_dead_ends() + self.remove_digons() + self.remove_doublets(&free);
+            if more == 0 {
+                return removed;
+            }
+            removed += more;
+        }
+    }
+
+    /// Removes vertices of two quads, where `free` allows it: the two quads become one; returns how many.
+    ///
+    /// Flattened out, one of the two quads has an angle of at least 180 degrees.
+    fn remove_doublets(&mut self, free: impl Fn(u32) -> bool) -> usize {
+        let mut removed = 0;
+        let mut candidates: Vec<u32> = (0..self.len() as u32).collect();
+        while let Some(p) = candidates.pop() {
+            if !self.alive[p as usize] || self.mate[p as usize] == NONE {
+                continue;
+            }
+            let q = self.next[p as usize];
+            if q == NONE || q == p || self.next[q as usize] != p || self.mate[q as usize] == NONE || !free(p) {
+                continue;
+            }
+            let plain = |r: u32| self.label[r as usize].is_none() && self.sides_left_of(r) == Some(4);
+            if !plain(p) || !plain(q) || self.mate[p as usize] == q {
+                continue;
+            }
+            let beyond = [p, q].map(|r| self.next[self.mate[r as usize] as usize]);
+            self.remove_edge(p, false);
+            self.remove_edge(q, false);
+            candidates.extend(beyond.into_iter().filter(|&r| r != NONE));
+            removed += 1;
+        }
+        removed
+    }
+
+    /// Number of sides of the face left of a port if it is closed and has at most four.
+    fn sides_left_of(&self, p: u32) -> Option<usize> {
+        let mut q = p;
+        for n in 1..=4 {
+            if self.open[q as usize] {
+                return None;
+            }
+            q = self.around_face(q)?;
+            if q == p {
+                return Some(n);
+            }
+        }
+        None
     }
 
     /// Orbits of all faces, by their smallest port, from which each starts.
@@ -301,6 +357,27 @@ mod tests {
         assert_eq!(sides(&ribbon), [2]);
         let p = (0..6).find(|&p| ribbon.is_alive(p)).unwrap();
         assert_eq!(ribbon.label[p as usize], Some(1), "the label survives");
+    }
+
+    /// Two quads 0-1-2-3 and 0-3-2-4 that share the vertex 3 of valence two are the quad 0-1-2-4.
+    #[test]
+    fn doublet_becomes_one_quad() {
+        // Vertex 0: to 1, 3, 4; vertex 1: to 2, 0; vertex 2: to 4, 3, 1; vertex 3: to 0, 2; vertex 4: to 0, 2.
+        let build = || {
+            let mut ribbon = Ribbon::new(&[0, 3, 5, 8, 10, 12], &[true; 5]);
+            for (p, q) in [(0, 4), (1, 8), (2, 10), (3, 7), (6, 9), (5, 11)] {
+                ribbon.join(p, q, None);
+            }
+            ribbon
+        };
+        let mut ribbon = build();
+        assert_eq!(sides(&ribbon), [4, 4, 4], "two quads and the outside");
+        assert_eq!(ribbon.remove_doublets(|p| p == 8 || p == 9), 1);
+        assert_eq!(sides(&ribbon), [4, 4]);
+        assert_eq!(build().remove_doublets(|_| false), 0);
+        let mut ribbon = build();
+        ribbon.label[8] = Some(0);
+        assert_eq!(ribbon.remove_doublets(|p| p == 8 || p == 9), 0, "features stay");
     }
 
     #[test]

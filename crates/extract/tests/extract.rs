@@ -234,7 +234,7 @@ proptest! {
         prop_assume!(is_positive(&model));
         let plain = run(&model).unwrap();
         prop_assert_eq!(unit_squares(&plain.mesh), all_squares(size));
-        prop_assert_eq!(plain.report.lost + plain.report.trimmed + plain.report.filled + plain.report.contracted, 0);
+        prop_assert_eq!(plain.report.simplified + plain.report.lost + plain.report.trimmed + plain.report.filled + plain.report.contracted, 0);
         // The charts do not matter.
         scramble(&mut model, seed);
         let scrambled = run(&model).unwrap();

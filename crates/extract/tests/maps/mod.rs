@@ -75,13 +75,24 @@ pub fn scramble(model: &mut Model, seed: u64) {
 /// A rectangle of `size` grid units, as `cells` cells of two triangles each, with random diagonals and inner vertices
 /// moved by up to `jitter` cells; the map is the identity.
 pub fn rectangle(size: [usize; 2], cells: [usize; 2], jitter: f64, seed: u64) -> Model {
+    rectangle_with_line(size, cells, jitter, None, seed)
+}
+
+/// The same where the vertices of one column of cells stay on its line.
+pub fn rectangle_with_line(
+    size: [usize; 2],
+    cells: [usize; 2],
+    jitter: f64,
+    straight: Option<usize>,
+    seed: u64,
+) -> Model {
     let mut random = Random(seed | 1);
     let [m, n] = cells;
     let mut plane = Vec::new();
     for j in 0..=n {
         for i in 0..=m {
             let mut p = [i as f64, j as f64];
-            for (k, inner) in [(0, i > 0 && i < m), (1, j > 0 && j < n)] {
+            for (k, inner) in [(0, i > 0 && i < m && Some(i) != straight), (1, j > 0 && j < n)] {
                 if inner {
                     p[k] += jitter * random.signed();
                 }
