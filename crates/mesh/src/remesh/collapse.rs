@@ -94,7 +94,7 @@ impl Remesher<'_> {
         }
         for (v, other) in [(a, b), (b, a)] {
             let moves = self.work.pos(v) != merged.position;
-            if moves && !self.work.may_become(v, &merged, other, &self.limits) {
+            if moves && !self.work.may_become(v, &merged, other, &self.surface, &self.limits) {
                 return None;
             }
         }

@@ -79,6 +79,7 @@ impl Remesher<'_> {
             flips: self.tally.flips,
             moves: self.tally.moves,
             refused_moves: self.tally.refused_moves,
+            off_surface: self.tally.off_surface,
             min_angle: degrees().fold(180.0, f64::min),
             max_angle: degrees().fold(0.0, f64::max),
             good_angles: share(degrees().filter(|a| (30.0..=110.0).contains(a)).count(), angles.len()),

@@ -79,7 +79,21 @@ impl Remesher<'_> {
         let vertex = |v: u32| &work.vertices[v as usize];
         let height = sag(vertex(c), vertex(d));
         let limit = self.limits.max_deviation * vertex(c).size.min(vertex(d).size);
-        height <= limit || height <= sag(vertex(a), vertex(b))
+        if height > limit && height > sag(vertex(a), vertex(b)) {
+            return false;
+        }
+        let cuts =
+            new[0].cuts_edge([vertex(a), vertex(d), vertex(c)]) || new[1].cuts_edge([vertex(b), vertex(c), vertex(d)]);
+        // The height of an edge over the surface, from the end that lies inside a region.
+        let height = |u: u32, v: u32| {
+            let start = self.start_face(if work.on_feature(u) { v } else { u }, work.patch[(h / 3) as usize]);
+            self.surface.height(work.pos(u).lerp(work.pos(v), 0.5), start)
+        };
+        if !cuts {
+            return true;
+        }
+        let new_height = height(c, d);
+        new_height <= limit || new_height <= height(a, b)
     }
 }
 

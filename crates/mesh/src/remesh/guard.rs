@@ -3,6 +3,7 @@
 //! In: the work mesh and a vertex with the place it would move to. Out: whether it may.
 //! Holds: a face whose shape or direction already breaks a limit may stay as bad, never become worse.
 
+use super::surface::Surface;
 use super::work::{NONE, Vertex, Work, prev};
 use crate::closest::closest_weights;
 use glam::DVec3;
@@ -85,6 +86,25 @@ impl Shape {
     }
 }
 
+/// Cosine of the angle between a face and the input's normal at one of its vertices from which the face may cut off an
+/// edge of the input that is no feature, so that its distance is measured. 37°: a larger angle lets rounded
+/// edges shrink unseen, a smaller one measures all over noisy surfaces.
+const COS_CUT: f64 = 0.8;
+
+impl Shape {
+    /// Whether the face may cut off an edge or a corner of the input.
+    #[inline]
+    pub fn cuts_edge(&self, vertices: [&Vertex; 3]) -> bool {
+        vertices.iter().any(|v| v.normal != DVec3::ZERO && self.twice.dot(v.normal) < COS_CUT * self.twice_area)
+    }
+
+    /// The mean of three corners.
+    #[inline]
+    pub fn centre(corner: [DVec3; 3]) -> DVec3 {
+        (corner[0] + corner[1] + corner[2]) / 3.0
+    }
+}
+
 /// Estimated height of the surface over the chord from `a` to `b`, file units.
 ///
 /// A parabola that leaves the tangent plane by d at distance c bulges by d/4 over the chord.
@@ -102,7 +122,7 @@ impl Work {
     }
 
     /// Whether the faces at `v` that do not touch `other` stay healthy when `v` becomes `moved`.
-    pub fn may_become(&self, v: u32, moved: &Vertex, other: u32, limits: &Limits) -> bool {
+    pub fn may_become(&self, v: u32, moved: &Vertex, other: u32, surface: &Surface<'_>, limits: &Limits) -> bool {
         let (old_place, place) = (&self.vertices[v as usize], moved.position);
         let (mut worst_old, mut worst_new) = (f64::INFINITY, f64::INFINITY);
         for h in self.ring(v) {
@@ -122,6 +142,13 @@ impl Work {
             let sag_new = sag(moved, vx);
             if sag_new > limits.max_deviation * moved.size.min(vx.size) && sag_new > sag(old_place, vx) {
                 return false;
+            }
+            if new.cuts_edge([moved, vx, vy]) {
+                let centre = |p: DVec3| surface.height(Shape::centre([p, vx.position, vy.position]), moved.hint);
+                let height = centre(place);
+                if height > limits.max_deviation * moved.size && height > centre(old_place.position) {
+                    return false;
+                }
             }
         }
         worst_new >= limits.min_quality.min(worst_old)

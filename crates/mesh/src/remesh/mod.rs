@@ -91,6 +91,8 @@ pub struct RemeshReport {
     pub moves: usize,
     /// Number of moves that would have folded or degenerated a face.
     pub refused_moves: usize,
+    /// Vertices that stay off the input's surface, because a face would fold there.
+    pub off_surface: usize,
     /// Smallest angle, degrees.
     pub min_angle: f64,
     /// Largest angle, degrees.
@@ -112,6 +114,7 @@ struct Tally {
     flips: usize,
     moves: usize,
     refused_moves: usize,
+    off_surface: usize,
 }
 
 /// Everything the passes share.
@@ -164,6 +167,7 @@ pub fn isotropic(
         remesher.round(round)?;
     }
     remesher.separate_features()?;
+    remesher.settle();
     let unchanged = || Remeshed::unchanged(mesh, features);
     Ok(remesher.finish(features).unwrap_or_else(|_| unchanged()))
 }

@@ -32,23 +32,43 @@ impl Remesher<'_> {
         Ok(())
     }
 
+    /// Brings free vertices that still lie off the input to it, where that folds nothing; counts those that stay off.
+    pub(super) fn settle(&mut self) {
+        for v in 0..self.work.out.len() as u32 {
+            let old = self.work.vertices[v as usize];
+            if self.work.out[v as usize] == NONE || old.role != Role::Free {
+                continue;
+            }
+            let near = (1e-6 * old.size).powi(2);
+            if self.surface.foot_on_face(old.position, old.hint).distance_sq > near && !self.try_move(v, old.position) {
+                self.tally.off_surface += 1;
+            }
+        }
+    }
+
+    /// Moves a free vertex to the point of the input nearest to `goal`, if that folds nothing.
+    fn try_move(&mut self, v: u32, goal: DVec3) -> bool {
+        let old = self.work.vertices[v as usize];
+        let foot = self.surface.walk(goal, old.hint);
+        let normal = self.surface.normal[foot.face as usize];
+        let moved = Vertex { position: foot.point, normal, hint: foot.face, ..old };
+        let allowed = self.work.may_become(v, &moved, NONE, &self.surface, &self.limits);
+        if allowed {
+            self.work.vertices[v as usize] = moved;
+            self.tally.moves += 1;
+        }
+        allowed
+    }
+
     fn relax_free(&mut self, v: u32) {
         let old = self.work.vertices[v as usize];
         let step = self.tangential_step(v);
         if step.length_squared() < (MIN_MOVE * old.size).powi(2) {
             return;
         }
-        for fraction in STEPS {
-            let foot = self.surface.walk(old.position + fraction * step, old.hint);
-            let normal = self.surface.normal[foot.face as usize];
-            let moved = Vertex { position: foot.point, normal, hint: foot.face, ..old };
-            if self.work.may_become(v, &moved, NONE, &self.limits) {
-                self.work.vertices[v as usize] = moved;
-                self.tally.moves += 1;
-                return;
-            }
+        if !STEPS.into_iter().any(|fraction| self.try_move(v, old.position + fraction * step)) {
+            self.tally.refused_moves += 1;
         }
-        self.tally.refused_moves += 1;
     }
 
     /// From `v` to the area-weighted mean of the centres of its faces, without the part along the normal.
@@ -100,7 +120,7 @@ impl Remesher<'_> {
                 continue;
             }
             let moved = Vertex { valence: old.valence, ..self.curve_vertex(first.curve, arcs[1][0], old.size) };
-            if self.work.may_become(v, &moved, NONE, &self.limits) {
+            if self.work.may_become(v, &moved, NONE, &self.surface, &self.limits) {
                 self.work.vertices[v as usize] = moved;
                 self.set_arc(before, arcs[0]);
                 self.set_arc(after, arcs[1]);

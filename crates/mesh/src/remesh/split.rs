@@ -8,8 +8,10 @@ use super::Remesher;
 use super::collapse::LONG;
 use super::flip::Goal;
 use super::guard::Shape;
+use super::surface::Foot;
 use super::work::{NONE, Role, Segment, Vertex, next, prev};
 use crate::progress::Cancelled;
+use glam::DVec3;
 
 /// Sweeps over long edges: an edge 4/3·2^k targets long needs k, more than 40 are never meant.
 const MAX_SWEEPS: usize = 40;
@@ -103,7 +105,7 @@ impl Remesher<'_> {
         let (position, half_edge) = self.curves[curve as usize].point(arc);
         Vertex {
             position,
-            normal: glam::DVec3::ZERO,
+            normal: DVec3::ZERO,
             size,
             error: 0.0,
             hint: half_edge / 3,
@@ -113,10 +115,14 @@ impl Remesher<'_> {
         }
     }
 
-    /// A free vertex at `position`, brought to the surface by walking from the nearer of two vertices.
-    fn surface_vertex(&self, position: glam::DVec3, from: [u32; 2], patch: u32, size: f64) -> Vertex {
-        let [a, b] = from.map(|v| self.surface.walk(position, self.start_face(v, patch)));
-        let foot = if b.distance_sq < a.distance_sq { b } else { a };
+    /// A free vertex at the point of the input nearest to `position`, found from two vertices nearby.
+    fn surface_vertex(&self, position: DVec3, from: [u32; 2], patch: u32, size: f64) -> Vertex {
+        let starts = from.map(|v| self.start_face(v, patch));
+        let mut foot = self.nearest_foot(position, starts.into_iter());
+        if foot.distance_sq > (self.limits.max_deviation * size).powi(2) {
+            // A walk that ended on the wrong side of an edge of the input: start from all faces around.
+            foot = self.nearest_foot(position, starts.into_iter().flat_map(|f| self.surface.faces_around(f)));
+        }
         Vertex {
             position: foot.point,
             normal: self.surface.normal[foot.face as usize],
@@ -127,6 +133,13 @@ impl Remesher<'_> {
             role: Role::Free,
             valence: 0,
         }
+    }
+
+    /// The nearest of the feet found from several faces; of equals the first.
+    fn nearest_foot(&self, p: DVec3, starts: impl Iterator<Item = u32>) -> Foot {
+        let feet = starts.map(|f| self.surface.walk(p, f));
+        feet.reduce(|best, foot| if foot.distance_sq < best.distance_sq { foot } else { best })
+            .unwrap_or_else(|| self.surface.foot_on_face(p, 0))
     }
 
     /// Splits one edge in the middle; `None` if that would fold a face.

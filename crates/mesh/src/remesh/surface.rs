@@ -55,6 +55,11 @@ impl<'a> Surface<'a> {
         best
     }
 
+    /// Distance of `p` from the surface, found from a face near it.
+    pub fn height(&self, p: DVec3, start: u32) -> f64 {
+        self.walk(p, start).distance_sq.sqrt()
+    }
+
     fn step(&self, p: DVec3, at: &Foot) -> Option<Foot> {
         let patch = self.patch[at.face as usize];
         let first = 3 * at.face;
@@ -88,6 +93,13 @@ impl<'a> Surface<'a> {
             }
         }
         best
+    }
+
+    /// The faces at the corners of a face that belong to its region, with repetitions.
+    pub fn faces_around(&self, f: u32) -> impl Iterator<Item = u32> + '_ {
+        let corners = self.mesh.face_vertices(FaceId(f));
+        let faces = corners.into_iter().flat_map(|v| self.mesh.outgoing(v)).map(|h| self.mesh.face(h).0);
+        faces.filter(move |&g| self.patch[g as usize] == self.patch[f as usize])
     }
 
     /// A face of region `patch` at an input vertex; any face there if the region does not touch it.
