@@ -9,10 +9,11 @@ use crate::charts::Charts;
 use crate::integer_grid_map::{GRID_UNIT, IntegerGridMap};
 use crate::placed::{PlacedMap, PlacementError};
 use crate::problem::{
-    EnergyOptions, FaceGradient, MapConstraints, face_gradients, map_constraints, orientation_energy, variable_count,
+    EnergyOptions, FaceGradient, MapConstraints, face_gradients, jacobian, map_constraints, orientation_energy,
+    variable_count,
 };
 use crate::quantise::{Separation, SeparationOptions, SeparationReport, separate};
-use crate::stiffen::{self, StiffenOptions, StiffenReport, stiffen};
+use crate::stiffen::{self, PlacedSolver, StiffenOptions, StiffenReport, stiffen};
 use crate::tmesh::trace;
 use crate::untangle::{UntangleOptions, UntangleReport, untangle};
 use quadloom_field::{CrossField, SizeField, Transport};
@@ -188,7 +189,7 @@ impl<'a> Parametrizer<'a> {
             progress.check()?;
             let mut second = report.clone();
             if let Some(mut other) = self.separated(&gradient, options, &mut second, progress)? {
-                self.repair(&mut other, &gradient, options, &options.untangle, &mut second, progress)?;
+                second.untangle = untangle(self.mesh, &mut other, &gradient, &options.untangle, progress);
                 let still = other.inverted_faces(self.mesh);
                 report.separation = second.separation.clone();
                 if still.len() < inverted.len() {
@@ -326,10 +327,10 @@ impl<'a> Parametrizer<'a> {
         });
         report.separation = Some(separation);
         progress.check()?;
-        match found {
-            Some(x) => PlacedMap::new(self.mesh, &self.charts, &x, GRID_UNIT).map(Some).map_err(ParamError::Placement),
-            None => Ok(None),
-        }
+        let Some(x) = found else { return Ok(None) };
+        let mut map = PlacedMap::new(self.mesh, &self.charts, &x, GRID_UNIT).map_err(ParamError::Placement)?;
+        self.follow(&mut map, &seamless, gradient, &options.energy);
+        Ok(Some(map))
     }
 }
 
@@ -344,6 +345,23 @@ const MAX_NAMED_FACES: usize = 20;
 /// More: rounding moves singular vertices less (2^-16 of a quad edge is far below any triangle's height); fewer would
 /// leave more lattice digits below it, which it does not need.
 const SEAMLESS_BITS: u32 = 16;
+
+impl Parametrizer<'_> {
+    /// Gives a map Jacobians near those of a fold-free one, which keeps it nearly fold-free at its own integers.
+    ///
+    /// Thin triangles weigh more: a face of Jacobian J gets weight 1/σ_min(J)², at most 1e4.
+    fn follow(&self, map: &mut PlacedMap, model: &PlacedMap, gradient: &FaceMap<FaceGradient>, energy: &EnergyOptions) {
+        let target = FaceMap::from_fn(self.mesh.face_count(), |f| jacobian(&gradient[f], model.face(self.mesh, f)));
+        let weight = target.map(|j| {
+            let norm: f64 = j.as_flattened().iter().map(|x| x * x).sum();
+            let determinant = (j[0][0] * j[1][1] - j[0][1] * j[1][0]).abs();
+            // σ_min = det/σ_max and σ_max² ≤ |J|².
+            (norm / (determinant * determinant).max(f64::MIN_POSITIVE)).clamp(1.0, 1e4)
+        });
+        let isotropic = EnergyOptions { anisotropy: 1.0, ..*energy };
+        PlacedSolver::new(self.mesh, map).approach(self.mesh, map, gradient, &weight, &isotropic, |f| target[f]);
+    }
+}
 
 fn with_rows(base: &Constraints, rows: &[Separation], first: usize) -> Constraints {
     let mut all = base.clone();

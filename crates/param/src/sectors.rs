@@ -30,24 +30,25 @@ pub fn solve_open_field(
 ) -> Result<(CrossField, FieldReport), FieldError> {
     let mut constraints = constraints.clone();
     let given: Vec<_> = constraints.indices.iter().map(|i| i.0).collect();
-    let mut best = solve_cross_field(mesh, transport, length, &constraints, options, progress)?;
-    let mut collapsed = collapsed_sectors(mesh, length, transport, features, &best.0);
+    let mut field = solve_cross_field(mesh, transport, length, &constraints, options, progress)?;
+    let mut collapsed = collapsed_sectors(mesh, length, transport, features, &field.0);
+    let (mut best, mut fewest) = (field.clone(), collapsed.len());
     for _ in 0..ROUNDS {
         collapsed.retain(|v| !mesh.is_boundary_vertex(*v) && !given.contains(v));
         if collapsed.is_empty() {
             break;
         }
         for &v in &collapsed {
-            let wanted = best.0.index(mesh, transport, v) - 1;
+            let wanted = field.0.index(mesh, transport, v) - 1;
             constraints.indices.retain(|i| i.0 != v);
             constraints.indices.push((v, wanted));
         }
         let Ok(next) = solve_cross_field(mesh, transport, length, &constraints, options, progress) else { break };
-        let still = collapsed_sectors(mesh, length, transport, features, &next.0);
-        if still.len() >= collapsed.len() {
-            break;
+        field = next;
+        collapsed = collapsed_sectors(mesh, length, transport, features, &field.0);
+        if collapsed.len() < fewest {
+            (best, fewest) = (field.clone(), collapsed.len());
         }
-        (best, collapsed) = (next, still);
     }
     Ok(best)
 }

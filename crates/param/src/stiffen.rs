@@ -6,7 +6,7 @@
 
 use crate::placed::{PlacedMap, turn};
 use crate::problem::{EnergyOptions, FaceGradient, jacobian};
-use quadloom_mesh::{DVec2, FaceMap, Progress, TriConnectivity, VertexMap};
+use quadloom_mesh::{DVec2, FaceId, FaceMap, Progress, TriConnectivity, VertexMap};
 use quadloom_numeric::{SparseCholesky, SparseSymmetric};
 
 /// How long stiffening goes on.
@@ -165,6 +165,19 @@ impl PlacedSolver {
         weight: &FaceMap<f64>,
         options: &EnergyOptions,
     ) -> bool {
+        self.approach(mesh, map, gradient, weight, options, |_| [[1.0, 0.0], [0.0, 1.0]])
+    }
+
+    /// Moves the free coordinates so that the Jacobians come near the given ones, in the sense of [`Self::solve`].
+    pub fn approach(
+        &mut self,
+        mesh: &TriConnectivity,
+        map: &mut PlacedMap,
+        gradient: &FaceMap<FaceGradient>,
+        weight: &FaceMap<f64>,
+        options: &EnergyOptions,
+        target: impl Fn(FaceId) -> [[f64; 2]; 2],
+    ) -> bool {
         if self.count == 0 {
             return true;
         }
@@ -174,10 +187,11 @@ impl PlacedSolver {
         for f in mesh.faces() {
             let corner = mesh.face_half_edges(f);
             let now = jacobian(&gradient[f], map.face(mesh, f));
+            let wanted = target(f);
             let w = weight[f] * gradient[f].area;
             for (row, norm) in [(0, DVec2::new(along, 1.0)), (1, DVec2::new(1.0, along))] {
                 // Coefficient of each free coordinate in this row of the Jacobian, and what is still missing.
-                let missing = [f64::from(row == 0) - now[row][0], f64::from(row == 1) - now[row][1]];
+                let missing = [wanted[row][0] - now[row][0], wanted[row][1] - now[row][1]];
                 let mut terms: Vec<(u32, DVec2)> = Vec::with_capacity(6);
                 for (k, &h) in corner.iter().enumerate() {
                     for component in 0..2 {

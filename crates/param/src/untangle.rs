@@ -154,8 +154,8 @@ fn untangle_region(
         let Some(direction) = problem.newton_direction(map, options.area_weight, epsilon) else { break };
         let new = problem.line_search(map, &direction, old, options.area_weight, epsilon);
         let least = problem.least_determinant(map);
-        if least > worst + 0.02 * worst.abs() {
-            (worst, stagnant) = (least, 0);
+        if least > worst + 0.02 * worst.abs() || new < 0.98 * old {
+            (worst, stagnant) = (least.max(worst), 0);
         } else {
             stagnant += 1;
         }
