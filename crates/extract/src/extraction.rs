@@ -6,10 +6,9 @@
 //! contracting them leaves quads or small even polygons.
 //! Source: [Ebke2013] for the task and the port idea; contraction of a ribbon graph in place of their case analysis own.
 
-use crate::fill::quadrangulate;
 use crate::grid_points::{Carrier, GridPoint, GridPoints};
 use crate::lattice::{COORDINATE_LIMIT, DIRECTION, GridSegment, difference};
-use crate::mend::open_bad_faces;
+use crate::mend::{fill_polygons, open_bad_faces};
 use crate::ports::{Ports, Site};
 use crate::ribbon::{NONE, Orbit, Ribbon};
 use crate::walk::{Arrival, Walker};
@@ -172,26 +171,12 @@ pub fn extract(
     // 3. Folds are contracted, loose ends removed.
     let leader = contract_folds(&ports, &mut ribbon, folds, &mut report);
     progress.check()?;
-    // 4. Vertices of one or two quads, which no plane quad mesh can have, go; the map's sharpest cones make them.
+    // 4. Polygons become quads.
     let places = Places::new(&walker, &leader);
-    let free = |p: u32| {
-        let point = &walker.points.points[places.of_port(&walker, p) as usize];
-        placement(&walker, point) == Placement::Free
-    };
-    report.simplified = ribbon.simplify(free);
-    // 5. Faces, vertices, and everything that goes with them.
-    let mut made = assemble(&walker, &ribbon, &places, &report);
-    for _ in 0..MEND_ROUNDS {
-        // What cannot be a mesh is opened and cut anew.
-        if !matches!(made, Err(ExtractError::NotQuads { .. } | ExtractError::Mesh(_))) {
-            break;
-        }
-        report.mended += open_bad_faces(&mut ribbon, |p| places.of_port(&walker, p));
-        ribbon.simplify(free);
-        made = assemble(&walker, &ribbon, &places, &report);
-    }
-    let extraction = made?;
-    // 6. The topology must be that of the mesh.
+    ribbon.vertex.iter_mut().for_each(|q| *q = places.of_point[*q as usize]);
+    let mut extraction = close_to_quads(&walker, &mut ribbon, &places, &mut report)?;
+    extraction.report = report;
+    // 5. The topology must be that of the mesh.
     let (expected, found) = (Summary::of(mesh), Summary::of(&extraction.mesh));
     if (expected.chi, expected.components, expected.boundary_loops)
         != (found.chi, found.components, found.boundary_loops)
@@ -200,6 +185,33 @@ pub fn extract(
     }
     progress.report("extract", 1.0);
     Ok(extraction)
+}
+
+/// Removes what no quad mesh has, cuts polygons, and opens what still is no mesh, in a few rounds.
+///
+/// The sharpest cones of a map make vertices of one or two quads, which a plane quad mesh cannot have: they go too.
+fn close_to_quads(
+    walker: &Walker,
+    ribbon: &mut Ribbon,
+    places: &Places,
+    report: &mut ExtractReport,
+) -> Result<Extraction, ExtractError> {
+    let is_free = |v: u32| placement(walker, &walker.points.points[v as usize]) == Placement::Free;
+    let mut rounds = 0;
+    loop {
+        report.simplified += ribbon.simplify(is_free);
+        let filled = fill_polygons(ribbon, |v| places.position[v as usize]);
+        if filled > 0 {
+            report.filled += filled;
+            report.simplified += ribbon.simplify(is_free);
+        }
+        let made = assemble(walker, ribbon, places);
+        if rounds == MEND_ROUNDS || !matches!(made, Err(ExtractError::NotQuads { .. } | ExtractError::Mesh(_))) {
+            return made;
+        }
+        report.mended += open_bad_faces(ribbon);
+        rounds += 1;
+    }
 }
 
 /// Refuses maps whose coordinates or size defeat exact arithmetic or 32-bit ids.
@@ -342,11 +354,6 @@ impl Places {
         let position = points.iter().zip(&origin).map(|(p, o)| position(walker, p, o)).collect();
         Self { of_point: leader.iter().map(|&l| best[l as usize]).collect(), origin, position }
     }
-
-    /// Representative of a port's grid point.
-    fn of_port(&self, walker: &Walker, p: u32) -> u32 {
-        self.of_point[walker.ports.list[p as usize].point as usize]
-    }
 }
 
 fn placement(walker: &Walker, point: &GridPoint) -> Placement {
@@ -412,37 +419,26 @@ fn position(walker: &Walker, point: &GridPoint, origin: &SurfacePoint) -> DVec3 
     }
 }
 
-/// A closed face of the grid: its ports, and quads as positions in that list.
-struct Polygon {
-    ports: Vec<u32>,
-    quads: Vec<[usize; 4]>,
-}
-
-/// Closed orbits as quads; polygons of other degrees are cut, or reported.
-fn collect_polygons(ribbon: &Ribbon, walker: &Walker, places: &Places) -> Result<Vec<Polygon>, ExtractError> {
-    let mut polygons = Vec::new();
+/// Closed faces as ports.
+///
+/// # Errors     faces that do not have four sides
+fn collect_quads(ribbon: &Ribbon, places: &Places) -> Result<Vec<[u32; 4]>, ExtractError> {
+    let mut quads = Vec::new();
     let (mut count, mut sides, mut faces) = (0, 0, Vec::new());
     for orbit in ribbon.orbits() {
         let Orbit::Closed(ports) = orbit else { continue };
-        if ports.len() == 4 {
-            polygons.push(Polygon { ports, quads: vec![[0, 1, 2, 3]] });
+        if let Ok(quad) = <[u32; 4]>::try_from(ports.as_slice()) {
+            quads.push(quad);
             continue;
         }
-        let place: Vec<u32> = ports.iter().map(|&p| places.of_port(walker, p)).collect();
-        let corner: Vec<DVec3> = place.iter().map(|&q| places.position[q as usize]).collect();
-        let allowed = |i: usize, j: usize| place[i] != place[j] && !joined(ribbon, walker, places, ports[i], place[j]);
-        if let Some(quads) = quadrangulate(&corner, allowed) {
-            polygons.push(Polygon { ports, quads });
-        } else {
-            if count == 0 {
-                sides = ports.len();
-            }
-            count += 1;
-            faces.extend(ports.iter().map(|&p| places.origin[places.of_port(walker, p) as usize].face));
+        if count == 0 {
+            sides = ports.len();
         }
+        count += 1;
+        faces.extend(ports.iter().map(|&p| places.origin[ribbon.vertex[p as usize] as usize].face));
     }
     if count == 0 {
-        return Ok(polygons);
+        return Ok(quads);
     }
     faces.sort_unstable();
     faces.dedup();
@@ -450,60 +446,37 @@ fn collect_polygons(ribbon: &Ribbon, walker: &Walker, places: &Places) -> Result
     Err(ExtractError::NotQuads { count, sides, faces })
 }
 
-/// Whether an edge joins the vertex of a port to another vertex.
-fn joined(ribbon: &Ribbon, walker: &Walker, places: &Places, port: u32, other: u32) -> bool {
-    let reaches = |p: u32| {
-        let mate = ribbon.mate[p as usize];
-        mate != NONE && places.of_port(walker, mate) == other
-    };
-    [Ribbon::clockwise, Ribbon::counter_clockwise].iter().any(|step| {
-        let around = std::iter::successors(Some(port), |&p| step(ribbon, p).filter(|&q| q != port));
-        around.into_iter().any(reaches)
+/// Numbers the vertices and builds the quad mesh with its maps; the report stays empty.
+fn assemble(walker: &Walker, ribbon: &Ribbon, places: &Places) -> Result<Extraction, ExtractError> {
+    let quads = collect_quads(ribbon, places)?;
+    // 1. A vertex per grid point and fan of faces around it: trimming may leave several fans.
+    let (vertex_of_corner, point_of_vertex) = number_vertices(ribbon, &quads);
+    let faces: Vec<[u32; 4]> = quads.iter().map(|q| q.map(|p| vertex_of_corner[p as usize])).collect();
+    let positions = point_of_vertex.iter().map(|&q| places.position[q as usize]).collect();
+    let mesh = QuadMesh::new(positions, &faces)?;
+    // 2. What goes with the vertices, edges and faces.
+    let mut feature_edges = EdgeMap::filled(mesh.edge_count(), None);
+    for h in mesh.half_edges() {
+        let side = ribbon.label[quads[h.index() / 4][h.index() % 4] as usize];
+        feature_edges[mesh.edge(h)] = feature_edges[mesh.edge(h)].or(side);
+    }
+    let points = &walker.points.points;
+    let is_square = |q: &[u32; 4]| !q.iter().any(|&p| ribbon.changed[p as usize]);
+    Ok(Extraction {
+        mesh,
+        origin: point_of_vertex.iter().map(|&q| places.origin[q as usize]).collect(),
+        placement: point_of_vertex.iter().map(|&q| placement(walker, &points[q as usize])).collect(),
+        feature_edges,
+        grid: quads.iter().map(|q| is_square(q).then(|| grid_square(walker, q[0]))).collect(),
+        report: ExtractReport::default(),
     })
 }
 
-/// Numbers the vertices and builds the quad mesh with its maps.
-fn assemble(
-    walker: &Walker,
-    ribbon: &Ribbon,
-    places: &Places,
-    report: &ExtractReport,
-) -> Result<Extraction, ExtractError> {
-    let polygons = collect_polygons(ribbon, walker, places)?;
-    let mut report = report.clone();
-    // 1. A vertex per grid point and fan of faces around it: trimming may leave several fans.
-    let (vertex_of_corner, point_of_vertex) = number_vertices(ribbon, walker, places, &polygons);
-    // 2. Faces, and the feature chain of each of their sides.
-    let (mut faces, mut chains, mut grid) = (Vec::new(), Vec::new(), Vec::new());
-    for polygon in &polygons {
-        let n = polygon.ports.len();
-        for quad in &polygon.quads {
-            faces.push(quad.map(|k| vertex_of_corner[polygon.ports[k] as usize]));
-            chains.push([0, 1, 2, 3].map(|i| {
-                let (k, l) = (quad[i], quad[(i + 1) % 4]);
-                ribbon.label[polygon.ports[k] as usize].filter(|_| (k + 1) % n == l)
-            }));
-            grid.push((n == 4).then(|| grid_square(walker, polygon.ports[0])));
-        }
-        report.filled += if n == 4 { 0 } else { polygon.quads.len() };
-    }
-    let positions = point_of_vertex.iter().map(|&q| places.position[q as usize]).collect();
-    let mesh = QuadMesh::new(positions, &faces)?;
-    // 3. What goes with the vertices and edges.
-    let mut feature_edges = EdgeMap::filled(mesh.edge_count(), None);
-    for h in mesh.half_edges() {
-        let side = chains[h.index() / 4][h.index() % 4];
-        feature_edges[mesh.edge(h)] = feature_edges[mesh.edge(h)].or(side);
-    }
-    let origin = point_of_vertex.iter().map(|&q| places.origin[q as usize]).collect();
-    let placement = point_of_vertex.iter().map(|&q| placement(walker, &walker.points.points[q as usize])).collect();
-    Ok(Extraction { mesh, origin, placement, feature_edges, grid: FaceMap::from_vec(grid), report })
-}
-
-/// A number for each fan of polygon corners around a grid point, in the order of the ports; [`NONE`] elsewhere.
-fn number_vertices(ribbon: &Ribbon, walker: &Walker, places: &Places, polygons: &[Polygon]) -> (Vec<u32>, Vec<u32>) {
+/// A number for each fan of quad corners around a grid point, in the order of the ports; [`NONE`] elsewhere. With it
+/// the grid point of each number.
+fn number_vertices(ribbon: &Ribbon, quads: &[[u32; 4]]) -> (Vec<u32>, Vec<u32>) {
     let mut used = vec![false; ribbon.len()];
-    for &p in polygons.iter().flat_map(|polygon| &polygon.ports) {
+    for &p in quads.as_flattened() {
         used[p as usize] = true;
     }
     let (mut number, mut point_of_vertex) = (vec![NONE; ribbon.len()], Vec::new());
@@ -512,7 +485,7 @@ fn number_vertices(ribbon: &Ribbon, walker: &Walker, places: &Places, polygons: 
             continue;
         }
         let vertex = point_of_vertex.len() as u32;
-        point_of_vertex.push(places.of_port(walker, start));
+        point_of_vertex.push(ribbon.vertex[start as usize]);
         for step in [Ribbon::clockwise, Ribbon::counter_clockwise] {
             number[start as usize] = vertex;
             let mut p = start;

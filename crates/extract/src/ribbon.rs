@@ -19,8 +19,12 @@ pub(crate) struct Ribbon {
     pub mate: Vec<u32>,
     /// Whether the corner of a port has been cut by the surface's boundary.
     pub open: Vec<bool>,
+    /// Whether the corner of a port was another one in the beginning.
+    pub changed: Vec<bool>,
     /// Label of a port's edge, kept when parallel edges are joined.
     pub label: Vec<Option<u32>>,
+    /// Label of a port's vertex.
+    pub vertex: Vec<u32>,
     alive: Vec<bool>,
 }
 
@@ -39,10 +43,13 @@ impl Ribbon {
             prev: vec![NONE; n],
             mate: vec![NONE; n],
             open: vec![false; n],
+            changed: vec![false; n],
             label: vec![None; n],
+            vertex: vec![NONE; n],
             alive: vec![true; n],
         };
-        for (range, &cyclic) in first.windows(2).zip(surrounded) {
+        for (v, (range, &cyclic)) in first.windows(2).zip(surrounded).enumerate() {
+            ribbon.vertex[range[0] as usize..range[1] as usize].fill(v as u32);
             for p in range[0]..range[1] {
                 if p + 1 < range[1] {
                     ribbon.link(p, p + 1);
@@ -108,6 +115,7 @@ impl Ribbon {
             self.link(before, after);
             if before != NONE {
                 self.open[before as usize] |= opens || self.open[p as usize];
+                self.changed[before as usize] = true;
             }
         }
     }
@@ -116,6 +124,45 @@ impl Ribbon {
     pub fn remove_edge(&mut self, p: u32, opens: bool) {
         self.remove_port(self.mate[p as usize], opens);
         self.remove_port(p, opens);
+    }
+
+    /// Draws edges inside a face; `diagonals` are pairs of places in the list of the face's ports, none crossing another.
+    pub fn add_diagonals(&mut self, face: &[u32], diagonals: &[[usize; 2]]) {
+        let n = face.len();
+        let first = self.len() as u32;
+        // Both ends of every diagonal: where, and how far around the face the other end is.
+        let mut ends: Vec<(usize, usize, u32)> = Vec::new();
+        for (k, &[i, j]) in diagonals.iter().enumerate() {
+            let p = first + 2 * k as u32;
+            for (at, to, port) in [(i, j, p), (j, i, p + 1)] {
+                ends.push((at, (to + n - at) % n, port));
+                self.vertex.push(self.vertex[face[at] as usize]);
+                self.mate.push(NONE);
+            }
+        }
+        for _ in 0..2 * diagonals.len() {
+            self.next.push(NONE);
+            self.prev.push(NONE);
+            self.open.push(false);
+            self.changed.push(true);
+            self.label.push(None);
+            self.alive.push(true);
+        }
+        for k in 0..diagonals.len() as u32 {
+            self.join(first + 2 * k, first + 2 * k + 1, None);
+        }
+        // From a corner's port counter-clockwise, nearer ends come first.
+        ends.sort_unstable();
+        for group in ends.chunk_by(|a, b| a.0 == b.0) {
+            let mut last = face[group[0].0];
+            let after = self.next[last as usize];
+            self.changed[last as usize] = true;
+            for &(_, _, port) in group {
+                self.link(last, port);
+                last = port;
+            }
+            self.link(last, after);
+        }
     }
 
     /// Contracts an edge between two different vertices: their orders are spliced where the edge was.
@@ -228,7 +275,7 @@ impl Ribbon {
 
     /// Removes dead ends, digons and doublets until there are none; returns how many edges and vertices went.
     ///
-    /// `free`: whether the vertex of a port may go.
+    /// `free`: whether a vertex may go.
     pub fn simplify(&mut self, free: impl Fn(u32) -> bool) -> usize {
         let mut removed = 0;
         loop {
@@ -251,7 +298,12 @@ impl Ribbon {
                 continue;
             }
             let q = self.next[p as usize];
-            if q == NONE || q == p || self.next[q as usize] != p || self.mate[q as usize] == NONE || !free(p) {
+            if q == NONE
+                || q == p
+                || self.next[q as usize] != p
+                || self.mate[q as usize] == NONE
+                || !free(self.vertex[p as usize])
+            {
                 continue;
             }
             let plain = |r: u32| self.label[r as usize].is_none() && self.sides_left_of(r) == Some(4);
@@ -372,12 +424,33 @@ mod tests {
         };
         let mut ribbon = build();
         assert_eq!(sides(&ribbon), [4, 4, 4], "two quads and the outside");
-        assert_eq!(ribbon.remove_doublets(|p| p == 8 || p == 9), 1);
+        assert_eq!(ribbon.remove_doublets(|v| v == 3), 1);
         assert_eq!(sides(&ribbon), [4, 4]);
         assert_eq!(build().remove_doublets(|_| false), 0);
         let mut ribbon = build();
         ribbon.label[8] = Some(0);
-        assert_eq!(ribbon.remove_doublets(|p| p == 8 || p == 9), 0, "features stay");
+        assert_eq!(ribbon.remove_doublets(|v| v == 3), 0, "features stay");
+    }
+
+    /// Polygons on a sphere, cut on one side.
+    #[test]
+    fn diagonals_cut_a_face() {
+        // Vertex k has the ports 2k (ahead) and 2k + 1 (back).
+        let mut ribbon = Ribbon::new(&[0, 2, 4, 6, 8, 10, 12], &[true; 6]);
+        for k in 0..6 {
+            ribbon.join(2 * k, (2 * k + 3) % 12, None);
+        }
+        assert_eq!(sides(&ribbon), [6, 6]);
+        ribbon.add_diagonals(&[0, 2, 4, 6, 8, 10], &[[0, 3]]);
+        assert_eq!(sides(&ribbon), [4, 4, 6]);
+        assert_eq!((ribbon.vertex[12], ribbon.vertex[13]), (0, 3));
+        // A fan of diagonals from one corner keeps their order.
+        let mut ribbon = Ribbon::new(&[0, 2, 4, 6, 8, 10, 12, 14, 16], &[true; 8]);
+        for k in 0..8 {
+            ribbon.join(2 * k, (2 * k + 3) % 16, None);
+        }
+        ribbon.add_diagonals(&[0, 2, 4, 6, 8, 10, 12, 14], &[[5, 0], [0, 3]]);
+        assert_eq!(sides(&ribbon), [4, 4, 4, 8]);
     }
 
     #[test]
