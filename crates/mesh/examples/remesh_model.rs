@@ -4,6 +4,9 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use quadloom_mesh::remesh::{RemeshOptions, Remeshed, TargetLength, isotropic};
+use quadloom_mesh::repair::{RepairOptions, repair};
+use quadloom_mesh::soup::FaceSoup;
+use quadloom_mesh::topology::Summary;
 use quadloom_mesh::{DVec3, FeatureGraph, Progress, TriMesh, features::FeatureOptions};
 use std::error::Error;
 use std::fmt::Write as _;
@@ -26,7 +29,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     let mut failures = 0;
     for file in &arguments.files {
-        failures += usize::from(!run(file, &arguments)?);
+        failures += match run(file, &arguments) {
+            Ok(passed) => usize::from(!passed),
+            Err(error) => {
+                println!("{:<20} {error}", file.display());
+                1
+            }
+        };
     }
     if failures > 0 { Err(format!("{failures} models fail a check").into()) } else { Ok(()) }
 }
@@ -93,13 +102,12 @@ fn run(file: &Path, arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
 fn problems(mesh: &TriMesh, features: &FeatureGraph, result: &Remeshed) -> Vec<String> {
     let mut list = Vec::new();
     let new = &result.mesh;
-    let chi = |m: &TriMesh| m.vertex_count() as i64 - m.edge_count() as i64 + m.face_count() as i64;
     let mut expect = |holds: bool, what: &str| {
         if !holds {
             list.push(what.to_string());
         }
     };
-    expect(chi(mesh) == chi(new), "chi");
+    expect(Summary::of(&**mesh).same_topology(&Summary::of(&**new)), "topology");
     expect(result.report.splits + result.report.collapses + result.report.moves > 0, "unchanged");
     let kept = features
         .chains
@@ -153,39 +161,27 @@ fn deviation(mesh: &TriMesh, new: &TriMesh) -> f64 {
 }
 
 fn read_obj(file: &Path) -> Result<TriMesh, Box<dyn Error>> {
-    let text = std::fs::read_to_string(file)?;
-    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    let text = String::from_utf8_lossy(&std::fs::read(file)?).into_owned();
+    let mut soup = FaceSoup::default();
     for line in text.lines() {
         let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => {
-                let mut coordinate = || {
-                    words.next().ok_or("a vertex lacks a coordinate")?.parse::<f64>().map_err(Box::<dyn Error>::from)
-                };
-                positions.push(DVec3::new(coordinate()?, coordinate()?, coordinate()?));
+                let coordinates = words.take(3).map(str::parse).collect::<Result<Vec<f64>, _>>()?;
+                soup.positions.push(DVec3::from_slice(coordinates.get(..3).ok_or("a vertex lacks a coordinate")?));
             }
             Some("f") => {
-                let mut corner = || -> Result<u32, Box<dyn Error>> {
-                    let word = words.next().ok_or("a face lacks a corner")?;
-                    Ok(word.split('/').next().unwrap_or(word).parse::<u32>()? - 1)
+                let corner = |word: &str| -> Result<u32, Box<dyn Error>> {
+                    let number = word.split('/').next().unwrap_or(word).parse::<i64>()?;
+                    let index = if number < 0 { soup.positions.len() as i64 + number } else { number - 1 };
+                    Ok(u32::try_from(index)?)
                 };
-                faces.push([corner()?, corner()?, corner()?]);
+                soup.faces.push(words.map(corner).collect::<Result<_, _>>()?);
             }
             _ => {}
         }
     }
-    // Vertices without a face are left out.
-    let mut number = vec![u32::MAX; positions.len()];
-    let mut used = Vec::new();
-    for v in faces.as_flattened_mut() {
-        let slot = &mut number[*v as usize];
-        if *slot == u32::MAX {
-            *slot = used.len() as u32;
-            used.push(positions[*v as usize]);
-        }
-        *v = *slot;
-    }
-    Ok(TriMesh::new(used, &faces)?)
+    Ok(repair(&soup, &RepairOptions::default())?.mesh)
 }
 
 fn obj(mesh: &TriMesh) -> String {

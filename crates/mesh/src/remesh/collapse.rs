@@ -114,18 +114,16 @@ impl Remesher<'_> {
     fn roles_allow(&self, h: u32, place: Place) -> bool {
         let work = &self.work;
         let (a, b) = (work.org(h), work.tgt(h));
-        let removed = match place {
-            Place::Target => vec![(a, b)],
-            Place::Origin => vec![(b, a)],
-            Place::Middle => vec![(a, b), (b, a)],
-        };
-        removed.into_iter().all(|(gone, kept)| match (work.role(gone), work.seg(h)) {
-            (Role::Pinned, _) | (Role::OnCurve, NONE) => false,
-            (Role::OnCurve, s) => {
-                let curve = &self.curves[work.segments[s as usize].curve as usize];
-                curve.edges > curve.min_edges
+        let removed = [(a, b, Place::Origin), (b, a, Place::Target)];
+        removed.into_iter().filter(|removal| removal.2 != place).all(|(gone, kept, _)| {
+            match (work.role(gone), work.seg(h)) {
+                (Role::Pinned, _) | (Role::OnCurve, NONE) => false,
+                (Role::OnCurve, s) => {
+                    let curve = &self.curves[work.segments[s as usize].curve as usize];
+                    curve.edges > curve.min_edges
+                }
+                (Role::Free, _) => !work.on_feature(kept) || !self.would_bridge(gone, kept, h),
             }
-            (Role::Free, _) => !work.on_feature(kept) || !self.would_bridge(gone, kept, h),
         })
     }
 

@@ -16,16 +16,22 @@ use glam::DVec3;
 /// Sweeps over long edges: an edge 4/3·2^k targets long needs k, more than 40 are never meant.
 const MAX_SWEEPS: usize = 40;
 
+/// Factor by which the longest edge must shrink from level to level; halving and flips give about a half.
+const PROGRESS: f64 = 0.8;
+
 impl Remesher<'_> {
     /// Brings edges of coarse input within twice the split limit, halving the longest ones level by level.
     ///
     /// Each level collapses what came out short: the midpoints of a row of needles would multiply otherwise.
     pub(super) fn refine_coarse(&mut self) -> Result<(), Cancelled> {
+        let mut before = f64::INFINITY;
         for _ in 0..MAX_SWEEPS {
             let longest = self.work.edges().map(|h| self.work.ratio(h)).fold(0.0, f64::max);
-            if longest <= 2.0 * LONG || !self.split_sweep(0.5 * longest)? {
+            // An edge that refuses to be split must not keep the others going through levels that do nothing.
+            if longest <= 2.0 * LONG || longest > PROGRESS * before || !self.split_sweep(0.5 * longest)? {
                 break;
             }
+            before = longest;
             self.collapse_short()?;
             self.work.compact();
             self.flip_edges(Goal::Angle)?;

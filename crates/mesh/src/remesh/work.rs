@@ -245,14 +245,35 @@ impl Work {
     /// segment lies on `h` itself the caller has joined it to its neighbour before.
     pub fn collapse(&mut self, h: u32) {
         let (a, b, t) = (self.org(h), self.tgt(h), self.twin(h));
-        let fan: Vec<u32> = self.ring(a).collect();
         let lost = if t == NONE { 3 } else { 4 };
         self.vertices[b as usize].valence =
             self.vertices[b as usize].valence + self.vertices[a as usize].valence - lost;
-        // 1. Segments name their ends. The last edge of a boundary fan is seen from its other side only.
+        // 1. Segments name their ends.
+        if self.on_feature(a) {
+            self.rename_segment_ends(a, b);
+        }
+        // 2. The fan of a gets the new origin, the one or two faces of the edge die.
+        let start = self.out[a as usize];
+        let mut g = start;
+        loop {
+            self.origin[g as usize] = b;
+            g = self.twin(prev(g));
+            if g == NONE || g == start {
+                break;
+            }
+        }
+        self.out[a as usize] = NONE;
+        let first = self.close_face(h);
+        let second = if t == NONE { NONE } else { self.close_face(t) };
+        // 3. An outgoing half-edge for b.
+        self.fix_out(if first != NONE { first } else { second });
+    }
+
+    /// Lets the segments that end at `a` end at `b`; not the one between the two.
+    fn rename_segment_ends(&mut self, a: u32, b: u32) {
         let mut touched = Vec::new();
-        self.for_neighbours(a, |g, _| {
-            if self.seg(g) != NONE && self.seg(g) != self.seg(h) {
+        self.for_neighbours(a, |g, x| {
+            if x != b && self.seg(g) != NONE {
                 touched.push(self.seg(g));
             }
         });
@@ -261,15 +282,6 @@ impl Work {
                 *end = b;
             }
         }
-        // 2. The fan of a gets the new origin, the one or two faces of the edge die.
-        for g in fan {
-            self.origin[g as usize] = b;
-        }
-        self.out[a as usize] = NONE;
-        let first = self.close_face(h);
-        let second = if t == NONE { NONE } else { self.close_face(t) };
-        // 3. An outgoing half-edge for b.
-        self.fix_out(if first != NONE { first } else { second });
     }
 
     /// Removes the face of `h` by joining its two other sides; returns a live outgoing half-edge of the target of `h`
