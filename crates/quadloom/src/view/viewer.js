@@ -82,7 +82,7 @@ const PRESETS = [
   { id: 'input', name: 'Input', layers: ['input', 'triangles', 'features', 'boundary'], needs: ['input'] },
 ].filter(preset => preset.needs.every(id => layerOf[id]));
 
-const state = { shown: new Set(), theme: 'light', palette: 'usual', compare: null, preset: null };
+const state = { shown: new Set(), theme: 'light', palette: 'usual', compare: null, oversampling: true };
 
 // ------------------------------------------------------------------------------------------------ vectors
 
@@ -281,16 +281,16 @@ function singularityBuffer() {
   return data;
 }
 
-// Radius of the balls: a share of the mean quad side, or of the surface where there are no quads.
+// Radius of the balls: a share of a short quad side (a quarter are shorter), or of the surface without quads.
 function singularityRadius() {
   if (!quads?.count) return 0.012;
   const { positions: p, faces } = quads, step = Math.max(1, Math.floor(quads.count / 2000));
-  let sum = 0, n = 0;
-  for (let f = 0; f < quads.count; f += step, n++) {
+  const sides = [];
+  for (let f = 0; f < quads.count; f += step) {
     const [a, b] = [3 * faces[4 * f], 3 * faces[4 * f + 1]];
-    sum += Math.hypot(p[a] - p[b], p[a + 1] - p[b + 1], p[a + 2] - p[b + 2]);
+    sides.push(Math.hypot(p[a] - p[b], p[a + 1] - p[b + 1], p[a + 2] - p[b + 2]));
   }
-  return 0.27 * sum / n;
+  return 0.3 * sides.sort((a, b) => a - b)[sides.length >> 2];
 }
 
 // ------------------------------------------------------------------------------------------------ shaders
@@ -566,8 +566,15 @@ function drawBalls(layer, view, ratio, colours) {
   gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
 }
 
-function draw() {
-  const ratio = Math.min(devicePixelRatio || 1, 2.5), view = currentView();
+// Pixels of the canvas per pixel of the page; pictures at rest are drawn finer than the screen.
+const MOST_PIXELS = 1.6e7;
+function pixelRatio(fine) {
+  const own = Math.min(devicePixelRatio || 1, 2.5), most = Math.sqrt(MOST_PIXELS / (canvas.clientWidth * canvas.clientHeight || 1));
+  return fine && state.oversampling ? Math.max(own, Math.min(2 * own, 3, most)) : own;
+}
+
+function draw(fine) {
+  const ratio = pixelRatio(fine), view = currentView();
   const [w, h] = [Math.round(view.width * ratio), Math.round(view.height * ratio)];
   if (canvas.width !== w || canvas.height !== h) { canvas.width = w; canvas.height = h; }
   const theme = THEMES[state.theme], palette = PALETTES[state.palette];
@@ -595,16 +602,24 @@ function draw() {
   if (shown('singularities')) drawBalls(layerOf.singularities, view, ratio, [palette.valence3, palette.valence5, palette.valenceOther]);
 }
 
-let asked = false;
+// Draws before the next frame, and once more, finely, when nothing has changed for a moment.
+let asked = false, rest = 0;
+const REST = 180;   // milliseconds
 function redraw() {
   if (asked) return;
   asked = true;
+  document.documentElement.dataset.drawn = 'no';
+  clearTimeout(rest);
   requestAnimationFrame(now => {
     asked = false;
     fly(now);
-    if (gl && !gl.isContextLost()) draw();
-    document.documentElement.dataset.ready = 'yes';
+    show(false);
+    if (!asked) rest = setTimeout(() => requestAnimationFrame(() => { if (!asked) show(true); }), REST);
   });
+}
+function show(fine) {
+  if (gl && !gl.isContextLost()) draw(fine);
+  document.documentElement.dataset.drawn = fine ? 'finely' : 'coarsely';
 }
 
 // ------------------------------------------------------------------------------------------------ picking
@@ -693,7 +708,7 @@ function buildValenceLegend() {
   const rows = [...count.keys()].sort((a, b) => a - b).map(valence => {
     const dot = element('i', { 'data-kind': valenceKind(valence) });
     return element('li', { title: `${count.get(valence)} vertices where ${valence} quads meet` }, dot,
-      element('b', { text: grouped(count.get(valence)) }), element('span', { text: `of valence ${valence}` }));
+      element('span', { text: `valence ${valence}` }), element('b', { text: grouped(count.get(valence)) }));
   });
   $('valence-legend').replaceChildren(...rows);
   $('valence').hidden = rows.length === 0;
@@ -808,7 +823,7 @@ function togglePanel() {
   refresh();
 }
 function savePicture() {
-  draw();
+  draw(true);
   canvas.toBlob(blob => {
     const link = element('a', { href: URL.createObjectURL(blob), download: `${packed.title.replace(/[^\p{L}\p{N}]+/gu, '-') || 'quadloom'}.png` });
     link.click();
@@ -922,6 +937,6 @@ refresh();
 
 window.quadloom = {
   layers: LAYERS.map(l => l.id), presets: PRESETS.map(p => p.id), camera,
-  shown: () => [...state.shown], setLayer, setPreset, setCompare, focusAt, redraw,
+  shown: () => [...state.shown], setOversampling: on => { state.oversampling = on; redraw(); }, setLayer, setPreset, setCompare, focusAt, redraw,
 };
 })();
