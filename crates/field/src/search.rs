@@ -55,6 +55,9 @@ pub(crate) struct SearchCounts {
     pub solves: usize,
 }
 
+/// Vertices looked at for a place away from curves; in a gap so narrow that none is found, the singularity stays.
+const WAY_OUT_VERTICES: usize = 60;
+
 /// Weights of the search's objective.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SearchOptions {
@@ -154,6 +157,68 @@ impl<'a> Search<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Moves singularities away from the neighbours of the given vertices, along shortest edge paths that avoid those.
+    ///
+    /// Not at the least energy: the singularity comes to rest in the next ring, where a map has room for it.
+    pub fn move_clear(&mut self, curve: &[VertexId]) {
+        let mut barred = VertexMap::filled(self.mesh.vertex_count(), false);
+        let mut near = barred.clone();
+        for &v in curve {
+            barred[v] = true;
+            for w in self.mesh.neighbours(v) {
+                near[w] = true;
+            }
+        }
+        let crowded: Vec<VertexId> =
+            self.mesh.vertices().filter(|&v| near[v] && !barred[v] && self.index[v] != 0).collect();
+        for &v in &crowded {
+            let quarters = self.index[v];
+            let Some(path) = self.way_out(v, &barred, &near) else { continue };
+            let mut at = v;
+            for e in path {
+                let [a, b] = self.mesh.ends(e);
+                self.apply(&[(e, if a == at { -quarters } else { quarters })]);
+                at = if a == at { b } else { a };
+            }
+        }
+        if !crowded.is_empty() {
+            self.solve();
+        }
+    }
+
+    /// Edges of a shortest path to a vertex away from the curves without another singularity beside it.
+    fn way_out(&self, from: VertexId, barred: &VertexMap<bool>, near: &VertexMap<bool>) -> Option<Vec<EdgeId>> {
+        let mut through: BTreeMap<VertexId, EdgeId> = BTreeMap::new();
+        let mut queue = std::collections::VecDeque::from([from]);
+        while let Some(v) = queue.pop_front() {
+            let free = |w: VertexId| w == from || self.index[w] == 0;
+            if v != from && !near[v] && free(v) && self.mesh.neighbours(v).all(free) {
+                let (mut path, mut at) = (Vec::new(), v);
+                while at != from {
+                    let e = through[&at];
+                    path.push(e);
+                    let [a, b] = self.mesh.ends(e);
+                    at = if a == at { b } else { a };
+                }
+                path.reverse();
+                return Some(path);
+            }
+            if through.len() > WAY_OUT_VERTICES {
+                break;
+            }
+            for e in self.mesh.vertex_edges(v) {
+                let [a, b] = self.mesh.ends(e);
+                let w = if a == v { b } else { a };
+                let open = !barred[w] && !self.mesh.is_boundary_vertex(w) && w != from && free(w);
+                if open && !through.contains_key(&w) && self.is_passable(e) {
+                    through.insert(w, e);
+                    queue.push_back(w);
+                }
+            }
+        }
+        None
     }
 
     /// Angles and turns from the period jumps.

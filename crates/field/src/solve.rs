@@ -18,6 +18,7 @@ use crate::search::{Search, SearchOptions, index_groups};
 use crate::smoothest::{COARSEST, smoothest_angles};
 use crate::system::{Roots, SmoothnessSystem};
 use crate::transport::Transport;
+use quadloom_mesh::VertexId;
 use quadloom_mesh::topology::components;
 use quadloom_mesh::{DVec2, EdgeMap, FaceId, FaceMap, Progress, TriConnectivity};
 use quadloom_numeric::{Rounding, SolveReport};
@@ -53,6 +54,9 @@ pub struct FieldOptions {
     pub near_pair_cost: f64,
     /// Opposite singularities farther apart are not considered as a pair, file units. Default: unlimited.
     pub reach: f64,
+    /// Vertices of curves that singularities must not be next to: at the end, those on neighbouring vertices are moved
+    /// one ring further, as a map has no room for them there. Default: none.
+    pub clear_of: Vec<VertexId>,
 }
 
 impl Default for FieldOptions {
@@ -64,6 +68,7 @@ impl Default for FieldOptions {
             cancel_distance: 0.0,
             near_pair_cost: 1.0,
             reach: f64::INFINITY,
+            clear_of: Vec::new(),
         }
     }
 }
@@ -152,6 +157,7 @@ pub fn solve_cross_field(
     if options.local_search {
         search.run(progress)?;
     }
+    search.move_clear(&options.clear_of);
     report.moves = search.counts.moves;
     report.twists = search.counts.twists;
     report.cancelled_pairs = search.counts.cancelled_pairs;

@@ -74,6 +74,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             println!("    collapsed sectors at {:?}", charts.collapsed_sectors);
             let seamless = r.separation.as_ref().map(|s| s.seamless_inverted_faces.clone()).unwrap_or_default();
             println!("    seamless folds {}", seamless.len());
+            println!("    {:?}", r.separation.as_ref().map_or([0; 2], |s| s.inverted));
             for &f in seamless.iter().chain(&[quadloom_mesh::FaceId(0)]).chain(result.inverted.iter().take(10)) {
                 let corners = mesh.face_vertices(f).map(|v| {
                     format!(

@@ -191,6 +191,9 @@ impl<'a> Parametrizer<'a> {
             if let Some(mut other) = self.separated(&gradient, options, &mut second, progress)? {
                 second.untangle = untangle(self.mesh, &mut other, &gradient, &options.untangle, progress);
                 let still = other.inverted_faces(self.mesh);
+                if let Some(separation) = &mut second.separation {
+                    separation.inverted = [second.untangle.inverted_before, still.len()];
+                }
                 report.separation = second.separation.clone();
                 if still.len() < inverted.len() {
                     second.rung = Rung::Separated;

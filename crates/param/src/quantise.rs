@@ -41,6 +41,8 @@ pub struct SeparationReport {
     pub prescribed: usize,
     /// Arcs still wrong after the last solve.
     pub violated: usize,
+    /// Inverted faces of the map at the separated integers, before and after untangling.
+    pub inverted: [usize; 2],
     /// Inverted faces of the seamless map; where there are any, nothing was traced.
     pub seamless_inverted: usize,
     /// The first of them.

@@ -30,6 +30,9 @@ pub fn solve_open_field(
 ) -> Result<(CrossField, FieldReport), FieldError> {
     let mut constraints = constraints.clone();
     let given: Vec<_> = constraints.indices.iter().map(|i| i.0).collect();
+    let on_feature = features.feature_vertices(mesh);
+    let clear_of = mesh.vertices().filter(|&v| on_feature[v]).collect();
+    let options = &FieldOptions { clear_of, ..options.clone() };
     let mut field = solve_cross_field(mesh, transport, length, &constraints, options, progress)?;
     let mut collapsed = collapsed_sectors(mesh, length, transport, features, &field.0);
     let (mut best, mut fewest) = (field.clone(), collapsed.len());
