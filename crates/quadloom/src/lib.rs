@@ -40,6 +40,7 @@ pub mod view;
 pub use error::{FailureKind, RemeshError, Warning, WarningCode};
 pub use input::{Source, load};
 pub use options::{Elements, Fallback, GivenField, Method, RemeshOptions, Target};
+pub use quadloom_extract as extract;
 pub use quadloom_io as io;
 pub use quadloom_mesh as mesh;
 pub use quadloom_mesh::shapes::{sample, sample_names};
