@@ -278,6 +278,10 @@ impl<'a> Parametrizer<'a> {
             }
             untangle(self.mesh, &mut map, gradient, &options.untangle.quick(), progress);
             folds = map.inverted_faces(self.mesh);
+            if !folds.is_empty() && folds.len() <= HOPELESS_FOLDS {
+                untangle(self.mesh, &mut map, gradient, &options.untangle, progress);
+                folds = map.inverted_faces(self.mesh);
+            }
             if folds.is_empty() {
                 return Ok(Ok(map));
             }
@@ -332,7 +336,7 @@ impl<'a> Parametrizer<'a> {
         progress.check()?;
         let Some(x) = found else { return Ok(None) };
         let mut map = PlacedMap::new(self.mesh, &self.charts, &x, GRID_UNIT).map_err(ParamError::Placement)?;
-        self.follow(&mut map, &seamless, gradient, &options.energy);
+        self.follow(&mut map, &seamless, gradient);
         Ok(Some(map))
     }
 }
@@ -353,7 +357,7 @@ impl Parametrizer<'_> {
     /// Gives a map Jacobians near those of a fold-free one, which keeps it nearly fold-free at its own integers.
     ///
     /// Thin triangles weigh more: a face of Jacobian J gets weight 1/σ_min(J)², at most 1e4.
-    fn follow(&self, map: &mut PlacedMap, model: &PlacedMap, gradient: &FaceMap<FaceGradient>, energy: &EnergyOptions) {
+    fn follow(&self, map: &mut PlacedMap, model: &PlacedMap, gradient: &FaceMap<FaceGradient>) {
         let target = FaceMap::from_fn(self.mesh.face_count(), |f| jacobian(&gradient[f], model.face(self.mesh, f)));
         let weight = target.map(|j| {
             let norm: f64 = j.as_flattened().iter().map(|x| x * x).sum();
@@ -361,7 +365,7 @@ impl Parametrizer<'_> {
             // σ_min = det/σ_max and σ_max² ≤ |J|².
             (norm / (determinant * determinant).max(f64::MIN_POSITIVE)).clamp(1.0, 1e4)
         });
-        let isotropic = EnergyOptions { anisotropy: 1.0, ..*energy };
+        let isotropic = EnergyOptions { anisotropy: 1.0 };
         PlacedSolver::new(self.mesh, map).approach(self.mesh, map, gradient, &weight, &isotropic, |f| target[f]);
     }
 }

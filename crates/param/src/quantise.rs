@@ -20,13 +20,13 @@ pub struct Separation {
 /// How long separation goes on.
 #[derive(Clone, Debug)]
 pub struct SeparationOptions {
-    /// Most solves. Default 12; each adds every arc found wrong so far.
+    /// Most solves. Default 40; each adds every arc found wrong so far, and few maps need more than ten.
     pub rounds: u32,
 }
 
 impl Default for SeparationOptions {
     fn default() -> Self {
-        Self { rounds: 12 }
+        Self { rounds: 40 }
     }
 }
 

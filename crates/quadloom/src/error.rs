@@ -94,6 +94,8 @@ pub enum WarningCode {
     Repaired,
     /// Sharp chains too short for the target size were dropped.
     LooseFeaturesDropped,
+    /// No map follows the sharp edges that were found; they were not kept.
+    SharpEdgesDropped,
     /// The count asked for was missed by more than the tolerance.
     CountMissed,
     /// Feature edges asked for are not kept.

@@ -32,6 +32,7 @@ pub mod part;
 pub mod remesh;
 pub mod report;
 pub mod scene;
+pub mod sizes;
 pub mod split;
 pub mod stages;
 pub mod verify;

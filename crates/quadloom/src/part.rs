@@ -3,10 +3,12 @@
 //! In: a connected triangle mesh and what is asked of it. Out: [`Part`], verified.
 //! Holds: quads that are returned have passed [`verify`]. Not: the count, which integers may miss.
 
+use crate::count::{Tried, fit_count};
 use crate::error::{RemeshError, Warning, WarningCode};
 use crate::features::{FeatureRequest, Features, find_features};
 use crate::options::{Fallback, RemeshOptions};
 use crate::report::Seconds;
+use crate::sizes::{SizeRequest, relative_sizes};
 use crate::split::{QUADS_PER_TRIANGLE, split_triangles};
 use crate::stages::{
     SizedMap, WorkMesh, count_goal, cross_field, extract_quads, integer_grid_map, no_result, work_edge_length,
@@ -28,6 +30,8 @@ pub struct PartRequest<'a> {
     pub features: FeatureRequest,
     /// A direction per face to follow.
     pub field: Option<FaceMap<DVec3>>,
+    /// Where quads are smaller or stretched.
+    pub sizes: SizeRequest,
     /// Singular vertices to use, with their index in quarters.
     pub singularities: Vec<(VertexId, i32)>,
 }
@@ -76,16 +80,23 @@ pub struct Solution {
 struct Attempt {
     work_edge: f64,
     quads: f64,
+    /// Whether sharp edges that nobody named are kept.
+    sharp: bool,
 }
 
 /// The ladder: other work meshes move the singularities and the integers, slightly other counts stay within the
-/// usual tolerance; only the last rung leaves it.
-const LADDER: [Attempt; 4] = [
-    Attempt { work_edge: 1.0, quads: 1.0 },
-    Attempt { work_edge: 0.8, quads: 1.04 },
-    Attempt { work_edge: 0.9, quads: 0.95 },
-    Attempt { work_edge: 0.65, quads: 1.15 },
+/// usual tolerance; then sharp edges that were only found, not named, are given up; only the last rung leaves the
+/// tolerance.
+const LADDER: [Attempt; 5] = [
+    Attempt { work_edge: 1.0, quads: 1.0, sharp: true },
+    Attempt { work_edge: 0.85, quads: 1.03, sharp: true },
+    Attempt { work_edge: 1.0, quads: 1.0, sharp: false },
+    Attempt { work_edge: 0.85, quads: 0.97, sharp: false },
+    Attempt { work_edge: 0.7, quads: 1.15, sharp: false },
 ];
+
+/// Work meshes for quads of several sizes are finer by this factor, so that the smallest quads have triangles too.
+const ADAPTIVE_WORK_EDGE: f64 = 0.6;
 
 /// Makes quads of one connected surface.
 ///
@@ -95,12 +106,19 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
     let mut warnings = Vec::new();
     let (area, diagonal) = (request.mesh.area(), request.mesh.diagonal());
     let edge = (area / request.quads as f64).sqrt();
-    let features = seconds.time("features", || find_features(request.mesh, &request.features, edge));
-    let reference = seconds.time("reference", || Reference::new(request.mesh, &features.graph));
+    let found = seconds.time("features", || find_features(request.mesh, &request.features, edge));
+    let named = FeatureRequest { sharp_angle: None, ..request.features.clone() };
+    let named = seconds.time("features", || find_features(request.mesh, &named, edge));
+    let any_sharp = found.graph.edge_count() > named.graph.edge_count();
     let mut solves = 0;
     let mut last = None;
     for (attempt, rung) in LADDER.iter().enumerate() {
         // With a given field the work mesh is always the input: only the count can be varied.
+        if !rung.sharp && !any_sharp && (rung.work_edge, rung.quads) == (LADDER[0].work_edge, LADDER[0].quads) {
+            continue;
+        }
+        let features = if rung.sharp { &found } else { &named };
+        let reference = seconds.time("reference", || Reference::new(request.mesh, &features.graph));
         let quads = rung.quads * request.quads as f64;
         let made = solve(request, &features.graph, rung, quads, options, progress, &mut seconds);
         let checked = made.and_then(|solution| {
@@ -116,6 +134,12 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
         match checked {
             Ok((quads, solution)) => {
                 warnings.extend(fold_warning(&solution));
+                if any_sharp && !rung.sharp {
+                    let count = found.graph.edge_count() - named.graph.edge_count();
+                    let message = format!("no map that follows the {count} sharp edges was found; they were not kept");
+                    warnings.push(Warning::new(WarningCode::SharpEdgesDropped, message));
+                }
+                let features = features.clone();
                 let solution = Some(solution);
                 let distances = seconds.time("distances", || distances(&quads, &reference, options))?;
                 return Ok(Part {
@@ -138,6 +162,8 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
             }
         }
     }
+    let features = found;
+    let reference = Reference::new(request.mesh, &features.graph);
     let failure = last.unwrap_or_else(|| no_result("remesh", "no attempt was made"));
     match options.fallback {
         Fallback::Off => Err(failure),
@@ -178,7 +204,8 @@ fn solve(
             (work, field, energy)
         }
         None => {
-            let work_edge = rung.work_edge * work_edge_length(area, edge);
+            let room = if request.sizes.is_uniform() { 1.0 } else { ADAPTIVE_WORK_EDGE };
+            let work_edge = rung.work_edge * room * work_edge_length(area, edge);
             let work = seconds.time("work mesh", || work_mesh(request.mesh, features, work_edge, options, progress))?;
             let singularities = on_work_mesh(request, &work);
             progress.report("cross field", 0.0);
@@ -186,10 +213,12 @@ fn solve(
             (work, field, report.energy)
         }
     };
+    let size =
+        seconds.time("sizing", || relative_sizes(&work, &field, request.mesh, edge, &request.sizes, progress))?;
     progress.report("integer-grid map", 0.0);
     let goal = count_goal(quads, options);
-    let map =
-        seconds.time("integer-grid map", || integer_grid_map(&work, &field, goal, edge, options.method, progress))?;
+    let map = seconds
+        .time("integer-grid map", || integer_grid_map(&work, &field, &size, goal, edge, options.method, progress))?;
     progress.report("extraction", 0.0);
     let extraction = seconds.time("extraction", || extract_quads(&work, &map.parametrization.map, progress))?;
     Ok(Solution { work, field, energy, map, extraction })
@@ -238,10 +267,10 @@ fn split(
 ) -> Result<QuadMesh, RemeshError> {
     let triangles = (request.quads as f64 / QUADS_PER_TRIANGLE as f64).max(1.0);
     let equilateral = (request.mesh.area() / triangles * 4.0 / 3.0_f64.sqrt()).sqrt();
-    let fitted = crate::count::fit_count(count_goal(request.quads as f64, options), equilateral, |edge| {
+    let fitted = fit_count(count_goal(request.quads as f64, options), equilateral, |edge| {
         let work = work_mesh(request.mesh, features, edge, options, progress)?;
         let quads = (QUADS_PER_TRIANGLE * work.mesh.face_count()) as f64;
-        Ok::<_, RemeshError>(Some((work, quads)))
+        Ok::<_, RemeshError>(Some(Tried { solution: work, quads, flaws: 0 }))
     })?;
     let work = fitted.ok_or_else(|| no_result("split", "there is no work mesh"))?.solution;
     split_triangles(&work.mesh).map_err(|e| no_result("split", e))

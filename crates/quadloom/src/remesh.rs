@@ -13,6 +13,7 @@ use crate::memory;
 use crate::options::{AUTO_QUADS_MAX, AUTO_QUADS_MIN, Elements, RemeshOptions, Target};
 use crate::part::{Part, PartRequest, remesh_part};
 use crate::report::{ComponentReport, CountReport, REPORT_VERSION, Report, Seconds};
+use crate::sizes::SizeRequest;
 use crate::stages::no_result;
 use quadloom_extract::{IrregularVertices, QuadQuality};
 use quadloom_mesh::repair::{Component, FindingKind, RepairOptions, Repaired, repair, split_components};
@@ -168,6 +169,7 @@ fn requests<'a>(
             quads,
             features: FeatureRequest { sharp_angle: options.sharp_angle, ..FeatureRequest::default() },
             field: None,
+            sizes: SizeRequest { adaptivity: options.adaptivity, anisotropy: options.anisotropy, density: None },
             singularities: Vec::new(),
         })
         .collect();
@@ -197,7 +199,20 @@ fn requests<'a>(
             requests[i].features.guides.push(guide.clone());
         }
     }
-    // 4. The given field.
+    // 4. Density.
+    if let Some(name) = &options.density {
+        let value = density(soup, name)?;
+        let mut whole = VertexMap::filled(repaired.mesh.vertex_count(), 0.0);
+        for (i, v) in repaired.vertex_of_input.iter().enumerate() {
+            if let Some(v) = *v {
+                whole[v] = value[i];
+            }
+        }
+        for (request, component) in requests.iter_mut().zip(components) {
+            request.sizes.density = Some(component.vertex_of.map(|&v| whole[v]));
+        }
+    }
+    // 5. The given field.
     if let Some(field) = &options.field {
         if field.directions.len() != soup.faces.len() {
             let why = format!("it has {} vectors, the input {} faces", field.directions.len(), soup.faces.len());
@@ -209,6 +224,17 @@ fn requests<'a>(
         }
     }
     Ok(requests)
+}
+
+/// The values of a vertex attribute of the file.
+fn density<'a>(soup: &'a FaceSoup, name: &str) -> Result<&'a [f64], RemeshError> {
+    let found = soup.vertex_attributes.iter().find(|(n, _)| n == name);
+    found.map(|(_, values)| values.as_slice()).ok_or_else(|| {
+        let names: Vec<&str> = soup.vertex_attributes.iter().map(|(n, _)| n.as_str()).collect();
+        let there =
+            if names.is_empty() { "it has none (OBJ and STL cannot have any)".into() } else { names.join(", ") };
+        RemeshError::Mismatch { what: "--density", why: format!("there is no vertex attribute {name}; {there}") }
+    })
 }
 
 fn nearest_component(mesh: &TriMesh, place: &VertexMap<(usize, VertexId)>, guide: &[DVec3]) -> Option<usize> {

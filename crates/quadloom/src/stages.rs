@@ -4,7 +4,7 @@
 //! quads, an extraction. Holds: chains keep their numbers from the input to the quads.
 //! Source: [Bommes2012] §8.1 to §8.4.
 
-use crate::count::{CountGoal, Fitted, fit_count};
+use crate::count::{CountGoal, Fitted, Tried, fit_count};
 use crate::error::RemeshError;
 use crate::features::without_boundary;
 use crate::options::{Elements, Method, RemeshOptions};
@@ -127,12 +127,13 @@ pub fn cross_field(
 
 /// Solves for integer-grid maps until one has the wanted number of quads.
 ///
-/// # Input      quads: wanted; edge_length: first size, file units
-/// # Output     the map whose count is nearest; `None` if the first solve failed
-/// # Errors     cancellation
+/// # Input      size: relative to the mean edge length; edge_length: the first mean edge length, file units
+/// # Output     the best map: fold-free and near the count, else fold-free, else near the count
+/// # Errors     the first solve failed, cancellation
 pub fn integer_grid_map(
     work: &WorkMesh,
     field: &CrossField,
+    size: &SizeField,
     goal: CountGoal,
     edge_length: f64,
     method: Method,
@@ -144,13 +145,12 @@ pub fn integer_grid_map(
         Method::Greedy => quadloom_param::Method::Greedy,
     };
     let options = ParamOptions { method, ..ParamOptions::default() };
-    let uniform = SizeField::uniform(work.mesh.face_count(), 1.0);
     let mut first_error = None;
-    let fitted = fit_count(goal, edge_length, |size| {
-        match parametrizer.map(&uniform.scaled(size), &options, progress).map_err(param_error) {
+    let fitted = fit_count(goal, edge_length, |edge| {
+        match parametrizer.map(&size.scaled(edge), &options, progress).map_err(param_error) {
             Ok(map) => {
-                let quads = quads_in(&work.mesh, &map.map);
-                Ok(Some((map, quads)))
+                let (quads, flaws) = (quads_in(&work.mesh, &map.map), map.inverted.len());
+                Ok(Some(Tried { solution: map, quads, flaws }))
             }
             Err(e @ RemeshError::Cancelled(_)) => Err(e),
             Err(e) => {

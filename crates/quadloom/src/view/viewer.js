@@ -124,6 +124,7 @@ const AXES = { x: [1, 0, 0], y: [0, 1, 0] };
 const facing = (yaw, pitch) => times(turn(AXES.x, pitch * Math.PI / 180), turn(AXES.y, yaw * Math.PI / 180));
 const camera = { target: [0, 0, 0], distance: 4, rotation: facing(HOME_YAW, HOME_PITCH) };
 let flight = null;
+let placed = false;   // whether the user has chosen a view; until then the surface keeps to the free room
 
 const canvas = $('canvas');
 const panelSpace = () => {
@@ -155,6 +156,7 @@ function rayAt(x, y) {
 }
 
 function flyTo(goal, time = 320) {
+  placed = true;
   flight = { from: { ...camera }, goal: { ...camera, ...goal }, start: performance.now(), time };
   redraw();
 }
@@ -185,13 +187,22 @@ function fitted(rotation) {
 }
 const FIT = 0.86;   // share of the free room that the surface fills
 
-const goHome = () => flyTo(fitted(facing(HOME_YAW, HOME_PITCH)));
-const orbit = (dx, dy) => { camera.rotation = times(times(turn(AXES.x, dy), turn(AXES.y, dx)), camera.rotation); };
+function goHome() {
+  flyTo(fitted(facing(HOME_YAW, HOME_PITCH)));
+  placed = false;
+}
+function keepFitted() {
+  if (!placed) { flight = null; Object.assign(camera, fitted(camera.rotation)); }
+  redraw();
+}
+const orbit = (dx, dy) => { placed = true; camera.rotation = times(times(turn(AXES.x, dy), turn(AXES.y, dx)), camera.rotation); };
 function pan(dx, dy) {
+  placed = true;
   const perPixel = camera.distance / currentView().focal;
   camera.target = add(camera.target, rotated(inverse(camera.rotation), [-dx * perPixel, dy * perPixel, 0]));
 }
 function zoom(factor, x, y) {
+  placed = true;
   const v = currentView(), next = Math.min(Math.max(camera.distance * factor, 0.01), 60);
   const shift = (camera.distance - next) / v.focal;   // keeps the point under the pointer in place
   camera.target = add(camera.target, rotated(inverse(camera.rotation), [(x - v.centre[0]) * shift, (v.centre[1] - y) * shift, 0]));
@@ -820,6 +831,7 @@ const toggleTheme = () => { state.theme = state.theme === 'light' ? 'dark' : 'li
 function togglePanel() {
   const root = document.documentElement;
   root.dataset.panel = root.dataset.panel === 'off' ? 'on' : 'off';
+  keepFitted();
   refresh();
 }
 function savePicture() {
@@ -896,7 +908,7 @@ function listenToTools() {
   const divider = $('divider');
   divider.addEventListener('pointerdown', event => { divider.setPointerCapture(event.pointerId); event.preventDefault(); });
   divider.addEventListener('pointermove', event => { if (divider.hasPointerCapture(event.pointerId)) setCompare(event.clientX / innerWidth); });
-  addEventListener('resize', redraw);
+  addEventListener('resize', keepFitted);
 }
 
 // ------------------------------------------------------------------------------------------------ start
@@ -912,6 +924,7 @@ function readAddress() {
   if (asked.has('compare')) setCompare(number('compare', 0.5));
   const start = fitted(facing(number('yaw', HOME_YAW), number('pitch', HOME_PITCH)));
   Object.assign(camera, start, { distance: start.distance / Math.min(Math.max(number('zoom', 1), 0.02), 100) });
+  placed = asked.has('zoom');
 }
 
 function fail(message) {
