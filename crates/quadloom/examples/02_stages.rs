@@ -5,6 +5,7 @@
 
 use quadloom::extract::{FinishOptions, Reference, finish};
 use quadloom::features::{FeatureRequest, find_features};
+use quadloom::sizes::{SizeRequest, relative_sizes};
 use quadloom::stages::{count_goal, cross_field, extract_quads, integer_grid_map, work_edge_length, work_mesh};
 use quadloom::verify::verify;
 use quadloom::{Method, Progress, RemeshOptions, sample};
@@ -29,8 +30,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} singular vertices, energy {:.2}", report.singularities, report.energy);
 
     // Cross field to integer-grid map, of a size that gives the count.
+    let size = relative_sizes(&work, &field, &surface, edge, &SizeRequest::default(), &progress)?;
     let goal = count_goal(quads, &options);
-    let map = integer_grid_map(&work, &field, goal, edge, Method::Greedy, &progress)?;
+    let map = integer_grid_map(&work, &field, &size, goal, edge, Method::Greedy, &progress)?;
     println!("{:.0} quads in the map after {} solves", map.quads, map.solves);
 
     // Map to quads, and back onto the surface.

@@ -205,7 +205,7 @@ fn requests<'a>(
         let mut whole = VertexMap::filled(repaired.mesh.vertex_count(), 0.0);
         for (i, v) in repaired.vertex_of_input.iter().enumerate() {
             if let Some(v) = *v {
-                whole[v] = value[i];
+                whole[v] = value.get(i).copied().unwrap_or(0.0);
             }
         }
         for (request, component) in requests.iter_mut().zip(components) {
