@@ -70,6 +70,14 @@ pub enum ParamError {
     /// The solution does not close up.
     #[error("the map does not close: {0}")]
     Placement(PlacementError),
+    /// Seams on which every face would depend: the reduced system would not fit into memory.
+    #[error(
+        "the map's reduced system would have about {entries} entries: the surface has too many handles for its seams"
+    )]
+    TooDense {
+        /// Entries of the reduced matrix, before equal ones are summed.
+        entries: usize,
+    },
     /// The run was asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -148,6 +156,10 @@ impl<'a> Parametrizer<'a> {
         let constraints = map_constraints(mesh, features, &charts);
         let solver = Solver::new(variable_count(&charts), &constraints.rows, &constraints.integers)
             .map_err(ParamError::Solve)?;
+        let entries = reduced_entries(mesh, &charts, &solver);
+        if entries > MOST_ENTRIES {
+            return Err(ParamError::TooDense { entries });
+        }
         let setup_seconds = start.elapsed().as_secs_f64();
         Ok(Self { mesh, features, field, length, charts, constraints, solver, setup_seconds })
     }
@@ -339,6 +351,23 @@ impl<'a> Parametrizer<'a> {
         self.follow(&mut map, &seamless, gradient);
         Ok(Some(map))
     }
+}
+
+/// Entries of the reduced matrix, before equal ones are summed, that may be stored: about 2.5 GB at 24 bytes.
+///
+/// Ordinary maps need 36 a face and little more; surfaces of very high genus have seams that tie every variable to
+/// hundreds of integers.
+const MOST_ENTRIES: usize = 100_000_000;
+
+/// Entries that the orientation energy has after elimination: per face, the product of its corners' expressions.
+fn reduced_entries(mesh: &TriMesh, charts: &Charts, solver: &Solver) -> usize {
+    let terms = |variable: usize| solver.elimination().expression(variable).terms.len();
+    mesh.faces()
+        .map(|f| {
+            let node = mesh.face_half_edges(f).map(|h| charts.node[h] as usize);
+            (0..2).map(|c| node.iter().map(|n| terms(2 * n + c)).sum::<usize>().pow(2)).sum::<usize>()
+        })
+        .sum()
 }
 
 /// Inverted faces beyond which untangling at the first integers is not worth its time once separation has failed.

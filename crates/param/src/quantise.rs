@@ -49,6 +49,9 @@ pub struct SeparationReport {
     pub seamless_inverted_faces: Vec<FaceId>,
 }
 
+/// Coefficients of all prescribed rows beyond which elimination would fill the system.
+const MOST_ROW_TERMS: usize = 6_000;
+
 /// Solves again and again, each time prescribing the lengths that came out wrong.
 ///
 /// # Input      `solve`: integers of the map under extra rows; `Err` lists rows (by number) that exclude each other
@@ -61,6 +64,9 @@ pub fn separate(
     let mut rows: Vec<Separation> = Vec::new();
     let mut report = SeparationReport { arcs: tmesh.arcs.len(), ..Default::default() };
     while report.rounds < options.rounds {
+        if rows.iter().map(|r| r.form.len()).sum::<usize>() > MOST_ROW_TERMS {
+            break;
+        }
         report.rounds += 1;
         report.prescribed = rows.len();
         let x = match solve(&rows) {

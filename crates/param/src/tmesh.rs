@@ -168,6 +168,10 @@ struct Passage {
 /// Motorcycle graphs of maps at sensible sizes cross each face about once; spirals that never end cross it for ever.
 const STEPS_PER_FACE: usize = 8;
 
+/// Terms of linear forms that all traces together may hold: about 100 MB. Surfaces of very high genus have seams that
+/// every trace crosses hundreds of times, and rows of such length would be too dense to be solved.
+const MOST_TERMS: usize = 4_000_000;
+
 struct Tracer<'a> {
     mesh: &'a TriConnectivity,
     features: &'a FeatureGraph,
@@ -175,6 +179,8 @@ struct Tracer<'a> {
     map: &'a IntegerGridMap,
     seam: HalfEdgeMap<Option<(u32, bool)>>,
     places: Vec<Place>,
+    /// Terms in all places, to bound memory.
+    terms: usize,
     lines: Vec<Line>,
     pinned: Vec<bool>,
     node_of: quadloom_mesh::VertexMap<u32>,
@@ -212,6 +218,7 @@ impl<'a> Tracer<'a> {
             map,
             seam,
             places: Vec::new(),
+            terms: 0,
             lines: Vec::new(),
             pinned,
             node_of,
@@ -235,6 +242,7 @@ impl<'a> Tracer<'a> {
             let q = Place([sum(&p.0[0], -1, &vec![(t, 1)]), sum(&p.0[1], -1, &vec![(t + 1, 1)])]);
             q.turned((4 - turns) % 4)
         };
+        self.terms += moved.0[0].len() + moved.0[1].len();
         self.places.push(moved);
         self.places.len() as u32 - 1
     }
@@ -373,7 +381,7 @@ impl<'a> Tracer<'a> {
         let mut steps = 0;
         while let Some(Reverse((_, line))) = self.queue.pop() {
             steps += 1;
-            if steps > most || (steps % 1024 == 0 && progress.cancelled()) {
+            if steps > most || self.terms > MOST_TERMS || (steps % 1024 == 0 && progress.cancelled()) {
                 return Err(TraceError::Endless);
             }
             self.step(line)?;
