@@ -276,7 +276,7 @@ impl Search<'_> {
         if self.options.node_limit.is_some_and(|limit| self.nodes >= limit) {
             return Ok(true);
         }
-        if self.nodes % CLOCK_INTERVAL != 0 {
+        if !self.nodes.is_multiple_of(CLOCK_INTERVAL) {
             return Ok(false);
         }
         if (self.cancelled)() {

@@ -36,7 +36,7 @@ pub(super) struct Vertex {
     pub error: f64,
     /// A face of the input near which the vertex lies.
     pub hint: u32,
-    /// The input vertex it is, where it is pinned.
+    /// The input vertex it is, where it is pinned; a half-edge of the input edge it lies on, where it is on a curve.
     pub source: u32,
     /// What may be done with it.
     pub role: Role,
@@ -82,7 +82,7 @@ pub(super) fn next(h: u32) -> u32 {
 /// Previous side of the same face.
 #[inline]
 pub(super) fn prev(h: u32) -> u32 {
-    if h % 3 == 0 { h + 2 } else { h - 1 }
+    if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
 
 impl Work {
@@ -100,6 +100,20 @@ impl Work {
             out: mesh.vertices().map(|v| mesh.outgoing_half_edge(v).0).collect(),
             vertices,
             segments: Vec::new(),
+        }
+    }
+
+    /// Puts a new segment on an edge of the input, given by one of its half-edges.
+    pub fn lay_segment(&mut self, h: u32, segment: Segment) {
+        let id = self.segments.len() as u32;
+        self.segments.push(segment);
+        for side in [h, self.twin(h)].into_iter().filter(|&side| side != NONE) {
+            self.segment[side as usize] = id;
+        }
+        // Vertices on a curve know the input edge they lie on.
+        let start = &mut self.vertices[segment.ends[0] as usize];
+        if start.role == Role::OnCurve {
+            start.source = h;
         }
     }
 
