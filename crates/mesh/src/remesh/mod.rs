@@ -274,6 +274,6 @@ impl<'a> Remesher<'a> {
     /// Counts an operation; now and then asks whether to stop.
     fn tick(&mut self) -> Result<(), Cancelled> {
         self.ticks = self.ticks.wrapping_add(1);
-        if self.ticks % 4096 == 0 { self.progress.check() } else { Ok(()) }
+        if self.ticks.is_multiple_of(4096) { self.progress.check() } else { Ok(()) }
     }
 }

@@ -103,20 +103,6 @@ impl Work {
         }
     }
 
-    /// Puts a new segment on an edge of the input, given by one of its half-edges.
-    pub fn lay_segment(&mut self, h: u32, segment: Segment) {
-        let id = self.segments.len() as u32;
-        self.segments.push(segment);
-        for side in [h, self.twin(h)].into_iter().filter(|&side| side != NONE) {
-            self.segment[side as usize] = id;
-        }
-        // Vertices on a curve know the input edge they lie on.
-        let start = &mut self.vertices[segment.ends[0] as usize];
-        if start.role == Role::OnCurve {
-            start.source = h;
-        }
-    }
-
     /// Origin of a half-edge.
     #[inline]
     pub fn org(&self, h: u32) -> u32 {
