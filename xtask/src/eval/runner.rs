@@ -24,6 +24,8 @@ pub struct Job {
     pub reference: Reference,
     /// Which measurements are made of the output.
     pub measure: Measure,
+    /// Whether the command writes its report, which takes some tenths of a second.
+    pub report: bool,
 }
 
 /// What an output is measured against.
@@ -141,7 +143,10 @@ fn run_one(settings: &Settings, job: &Job, at_once: usize) -> Run {
     let (mesh, report) = (stem.with_extension("obj"), stem.with_extension("json"));
     let (_, _) = (std::fs::remove_file(&mesh), std::fs::remove_file(&report));
     let mut command = Command::new(&settings.binary);
-    command.arg("remesh").arg(&job.input).arg("-o").arg(&mesh).arg("--report").arg(&report);
+    command.arg("remesh").arg(&job.input).arg("-o").arg(&mesh);
+    if job.report {
+        command.arg("--report").arg(&report);
+    }
     command.args(["--progress", "none"]).args(&job.options).args(&settings.extra);
     if at_once > 1 && !job.options.iter().any(|o| o == "--threads") {
         command.args(["--threads", "1"]);
