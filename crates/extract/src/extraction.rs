@@ -260,7 +260,7 @@ fn connect(
     let (mut lost, mut outside) = (Vec::new(), Vec::new());
     let (mut followed, mut on_way) = (EdgeMap::filled(walker.mesh.edge_count(), false), Vec::new());
     for p in 0..ribbon.len() as u32 {
-        if p as usize % CHECK_INTERVAL == 0 {
+        if (p as usize).is_multiple_of(CHECK_INTERVAL) {
             progress.check()?;
         }
         if ribbon.mate[p as usize] != NONE {

@@ -15,7 +15,7 @@ pub(crate) const MAX_SIDES: usize = 24;
 /// # Cost       O(n⁴)
 pub(crate) fn quadrangulate(corner: &[DVec3], allowed: impl Fn(usize, usize) -> bool) -> Option<Vec<[usize; 4]>> {
     let n = corner.len();
-    if n % 2 != 0 || !(4..=MAX_SIDES).contains(&n) {
+    if !n.is_multiple_of(2) || !(4..=MAX_SIDES).contains(&n) {
         return None;
     }
     // best[i][j]: cost and apex pair of the quad on the diagonal (i, j) of the sub-polygon i..=j.

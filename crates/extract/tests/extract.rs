@@ -218,7 +218,6 @@ fn folds_are_survived_or_refused() {
             Err(other) => panic!("{other}"),
         }
     }
-    eprintln!("{survived} of {folded} folds survived");
     assert!(folded > 100);
     assert!(survived * 100 >= folded * 95, "{survived} of {folded}");
 }

@@ -172,9 +172,12 @@ impl<'a> Parametrizer<'a> {
     /// Makes the map at the given sizes.
     ///
     /// The ladder, each rung only where the one before left inverted triangles:
-    /// 1. mixed-integer solve ([Bommes2012] §8.4); 2. local stiffening at its integers; 3. untangling at its integers
-    /// ([Garanzha2021]); 4. the seamless map without integers is traced ([`crate::tmesh`]), the integers are chosen again
-    /// so that none of its arcs is reversed or collapses ([`crate::quantise`]), and rungs 2 and 3 run again.
+    ///
+    /// 1. mixed-integer solve ([Bommes2012] §8.4);
+    /// 2. local stiffening at its integers;
+    /// 3. untangling at its integers ([Garanzha2021]);
+    /// 4. the seamless map without integers is traced ([`crate::tmesh`]), the integers are chosen again so that none of
+    ///    its arcs is reversed or collapses ([`crate::quantise`]), and the map at these integers is untangled.
     ///
     /// # Output     the map of the rung with the fewest inverted triangles
     /// # Errors     [`ParamError::Solve`] where the energy does not determine the map

@@ -122,10 +122,10 @@ pub fn variable_count(charts: &Charts) -> usize {
 /// Value of E_T without weights at given gradients, for reports and stiffening.
 pub fn jacobian(gradient: &FaceGradient, uv: [[f64; 2]; 3]) -> [[f64; 2]; 2] {
     let mut j = [[0.0; 2]; 2];
-    for k in 0..3 {
+    for (corner, hat) in uv.iter().zip(&gradient.hat) {
         for c in 0..2 {
-            j[c][0] += gradient.hat[k].x * uv[k][c];
-            j[c][1] += gradient.hat[k].y * uv[k][c];
+            j[c][0] += hat.x * corner[c];
+            j[c][1] += hat.y * corner[c];
         }
     }
     j

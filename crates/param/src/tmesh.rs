@@ -510,7 +510,7 @@ impl<'a> Tracer<'a> {
     fn finish(self) -> TMesh {
         let mut arcs = Vec::new();
         for mut line in self.lines {
-            line.junctions.sort_by(|a, b| (a.at, a.node).cmp(&(b.at, b.node)));
+            line.junctions.sort_by_key(|j| (j.at, j.node));
             let origin = line.start.map(|node| Junction { at: 0, form: Vec::new(), node });
             let stops: Vec<Junction> = origin.into_iter().chain(line.junctions).chain(line.end).collect();
             for pair in stops.windows(2) {

@@ -359,9 +359,9 @@ impl<'a> Region<'a> {
 
     fn place(&self, map: &mut PlacedMap, start: &[[f64; 2]], direction: &[f64], step: f64) {
         for (i, &v) in self.vertices.iter().enumerate() {
-            for k in 0..2 {
-                if let Some(u) = self.unknown_of[i][k] {
-                    map.point[v][k] = start[i][k] + step * direction[u as usize];
+            for (k, unknown) in self.unknown_of[i].iter().enumerate() {
+                if let Some(u) = unknown {
+                    map.point[v][k] = start[i][k] + step * direction[*u as usize];
                 }
             }
         }
@@ -427,9 +427,9 @@ fn positive_part(a: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
                 for row in &mut m {
                     (row[i], row[j]) = (c * row[i] - s * row[j], s * row[i] + c * row[j]);
                 }
-                for k in 0..4 {
-                    (m[i][k], m[j][k]) = (c * m[i][k] - s * m[j][k], s * m[i][k] + c * m[j][k]);
-                }
+                let (upper, lower) = (m[i], m[j]);
+                m[i] = std::array::from_fn(|k| c * upper[k] - s * lower[k]);
+                m[j] = std::array::from_fn(|k| s * upper[k] + c * lower[k]);
                 for row in &mut q {
                     (row[i], row[j]) = (c * row[i] - s * row[j], s * row[i] + c * row[j]);
                 }

@@ -42,7 +42,8 @@ pub fn run(args: &RemeshArgs) -> Result<ExitCode, RemeshError> {
 
 fn check_outputs(args: &RemeshArgs) -> Result<(), RemeshError> {
     check_output(&args.output, is_surface_output)?;
-    let others: [(&Option<_>, fn(&Path) -> bool); 4] = [
+    type Check = fn(&Path) -> bool;
+    let others: [(&Option<_>, Check); 4] = [
         (&args.write_field, is_field_output),
         (&args.write_map, is_surface_output),
         (&args.report, is_any_output),

@@ -57,20 +57,20 @@ impl Ties {
                         Tie::Curve { chain, arc: c.arc }
                     } else {
                         ties.mismatched += 1;
-                        ties.to_surface(reference, mesh, v)
+                        ties.tie_to_surface(reference, mesh, v)
                     }
                 }
-                Placement::Free => ties.to_surface(reference, mesh, v),
+                Placement::Free => ties.tie_to_surface(reference, mesh, v),
                 _ => {
                     ties.mismatched += 1;
-                    ties.to_surface(reference, mesh, v)
+                    ties.tie_to_surface(reference, mesh, v)
                 }
             };
         }
         ties
     }
 
-    fn to_surface(&mut self, reference: &Reference, mesh: &QuadMesh, v: VertexId) -> Tie {
+    fn tie_to_surface(&mut self, reference: &Reference, mesh: &QuadMesh, v: VertexId) -> Tie {
         let normal: DVec3 = mesh.outgoing(v).map(|h| mesh.vector_area(mesh.face(h))).sum();
         let (position, face) = project(reference, mesh.position(v), normal, None)
             .unwrap_or_else(|| (mesh.position(v), reference.closest.query(mesh.position(v)).point.face));
