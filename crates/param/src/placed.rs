@@ -37,7 +37,7 @@ impl PlacedMap {
     /// Rounds the integers of a solution and ties every corner to its vertex.
     ///
     /// # Input      `solution`: variables as numbered in [`crate::problem`], in units of `unit` lattice units;
-    ///              [`GRID_UNIT`] for an integer-grid map, a fraction of it for a seamless map on a finer grid
+    /// [`GRID_UNIT`] for an integer-grid map, a fraction of it for a seamless map on a finer grid
     /// # Errors     the first vertex at which transitions do not close
     pub fn new(mesh: &TriConnectivity, charts: &Charts, solution: &[f64], unit: i64) -> Result<Self, PlacementError> {
         // 1. Transitions: identity, or the rounded translation of the segment.

@@ -102,7 +102,7 @@ impl WorkMesh {
 /// Solves for the cross field.
 ///
 /// # Input      quad_edge: edge length of the quads, file units; singularities: vertices of the work mesh with their
-///              index in quarters
+/// index in quarters
 /// # Errors     prescriptions that exclude each other, cancellation
 pub fn cross_field(
     work: &WorkMesh,
