@@ -64,6 +64,8 @@ pub struct Extraction {
 pub struct ExtractReport {
     /// Faces of the map with non-positive orientation.
     pub inverted_faces: usize,
+    /// Vertices off the grid whose triangles wind around them more than once: folds without an inverted triangle.
+    pub overwound: usize,
     /// Preimages of grid points that were contracted into another one, through folds.
     pub contracted: usize,
     /// Grid lines that led nowhere in degenerate parts of the map.
@@ -196,14 +198,17 @@ fn close_to_quads(
     places: &Places,
     report: &mut ExtractReport,
 ) -> Result<Extraction, ExtractError> {
-    let is_free = |v: u32| placement(walker, &walker.points.points[v as usize]) == Placement::Free;
+    let is_tip = |v: u32| match placement(walker, &walker.points.points[v as usize]) {
+        Placement::Corner(v) => angle_sum(walker.mesh, v) < TIP_ANGLE,
+        _ => false,
+    };
     let mut rounds = 0;
     loop {
-        report.simplified += ribbon.simplify(is_free);
+        report.simplified += ribbon.simplify(is_tip);
         let filled = fill_polygons(ribbon, |v| places.position[v as usize]);
         if filled > 0 {
             report.filled += filled;
-            report.simplified += ribbon.simplify(is_free);
+            report.simplified += ribbon.simplify(is_tip);
         }
         let made = assemble(walker, ribbon, places);
         if rounds == MEND_ROUNDS || !matches!(made, Err(ExtractError::NotQuads { .. } | ExtractError::Mesh(_))) {
@@ -212,6 +217,18 @@ fn close_to_quads(
         report.mended += open_bad_faces(ribbon);
         rounds += 1;
     }
+}
+
+/// Angle around a vertex below which two quads can meet there without either being inverted, radians.
+const TIP_ANGLE: f64 = 1.6 * std::f64::consts::PI;
+
+/// Sum of the angles of the faces at a vertex, radians.
+fn angle_sum(mesh: &TriMesh, v: VertexId) -> f64 {
+    let angle = |h: HalfEdgeId| {
+        let [o, a, b] = [h, mesh.next(h), mesh.prev(h)].map(|c| mesh.position(mesh.origin(c)));
+        (a - o).cross(b - o).length().atan2((a - o).dot(b - o))
+    };
+    mesh.outgoing(v).map(angle).sum()
 }
 
 /// Refuses maps whose coordinates or size defeat exact arithmetic or 32-bit ids.
@@ -243,6 +260,8 @@ fn check_map(mesh: &TriMesh, map: &IntegerGridMap, features: &FeatureGraph) -> R
         match defect {
             MapDefect::Inverted(_) => report.inverted_faces += 1,
             MapDefect::Feature(_) => report.unaligned_features += 1,
+            // Its transitions are those of a regular vertex, but its triangles wind around it more than once or not.
+            MapDefect::FractionalSingularity(v) if map.cone(mesh, v) == 0 => report.overwound += 1,
             other => fatal.push(other),
         }
     }

@@ -275,11 +275,11 @@ impl Ribbon {
 
     /// Removes dead ends, digons and doublets until there are none; returns how many edges and vertices went.
     ///
-    /// `free`: whether a vertex may go.
-    pub fn simplify(&mut self, free: impl Fn(u32) -> bool) -> usize {
+    /// `is_tip`: whether a vertex stays if labelled edges meet there.
+    pub fn simplify(&mut self, is_tip: impl Fn(u32) -> bool) -> usize {
         let mut removed = 0;
         loop {
-            let more = self.remove_dead_ends() + self.remove_digons() + self.remove_doublets(&free);
+            let more = self.remove_dead_ends() + self.remove_digons() + self.remove_doublets(&is_tip);
             if more == 0 {
                 return removed;
             }
@@ -287,10 +287,10 @@ impl Ribbon {
         }
     }
 
-    /// Removes vertices of two quads, where `free` allows it: the two quads become one; returns how many.
+    /// Removes vertices of two quads, except tips of labelled edges: the two quads become one; returns how many.
     ///
     /// Flattened out, one of the two quads has an angle of at least 180 degrees.
-    fn remove_doublets(&mut self, free: impl Fn(u32) -> bool) -> usize {
+    fn remove_doublets(&mut self, is_tip: impl Fn(u32) -> bool) -> usize {
         let mut removed = 0;
         let mut candidates: Vec<u32> = (0..self.len() as u32).collect();
         while let Some(p) = candidates.pop() {
@@ -298,16 +298,12 @@ impl Ribbon {
                 continue;
             }
             let q = self.next[p as usize];
-            if q == NONE
-                || q == p
-                || self.next[q as usize] != p
-                || self.mate[q as usize] == NONE
-                || !free(self.vertex[p as usize])
-            {
+            if q == NONE || q == p || self.next[q as usize] != p || self.mate[q as usize] == NONE {
                 continue;
             }
-            let plain = |r: u32| self.label[r as usize].is_none() && self.sides_left_of(r) == Some(4);
-            if !plain(p) || !plain(q) || self.mate[p as usize] == q {
+            let labelled = self.label[p as usize].or(self.label[q as usize]).is_some();
+            let between_quads = [p, q].iter().all(|&r| self.sides_left_of(r) == Some(4));
+            if !between_quads || self.mate[p as usize] == q || (labelled && is_tip(self.vertex[p as usize])) {
                 continue;
             }
             let beyond = [p, q].map(|r| self.next[self.mate[r as usize] as usize]);
@@ -417,19 +413,23 @@ mod tests {
         // Vertex 0: to 1, 3, 4; vertex 1: to 2, 0; vertex 2: to 4, 3, 1; vertex 3: to 0, 2; vertex 4: to 0, 2.
         let build = || {
             let mut ribbon = Ribbon::new(&[0, 3, 5, 8, 10, 12], &[true; 5]);
-            for (p, q) in [(0, 4), (1, 8), (2, 10), (3, 7), (6, 9), (5, 11)] {
-                ribbon.join(p, q, None);
+            // The outline is labelled, so that its vertices of valence two can be kept.
+            for (p, q, label) in [(0, 4, Some(1)), (1, 8, None), (2, 10, Some(1))] {
+                ribbon.join(p, q, label);
+            }
+            for (p, q, label) in [(3, 7, Some(1)), (6, 9, None), (5, 11, Some(1))] {
+                ribbon.join(p, q, label);
             }
             ribbon
         };
         let mut ribbon = build();
         assert_eq!(sides(&ribbon), [4, 4, 4], "two quads and the outside");
-        assert_eq!(ribbon.remove_doublets(|v| v == 3), 1);
+        assert_eq!(ribbon.remove_doublets(|_| true), 1);
         assert_eq!(sides(&ribbon), [4, 4]);
-        assert_eq!(build().remove_doublets(|_| false), 0);
         let mut ribbon = build();
         ribbon.label[8] = Some(0);
-        assert_eq!(ribbon.remove_doublets(|v| v == 3), 0, "features stay");
+        assert_eq!(ribbon.remove_doublets(|_| true), 0, "tips of features stay");
+        assert_eq!(ribbon.remove_doublets(|v| v != 3), 1);
     }
 
     /// Polygons on a sphere, cut on one side.

@@ -104,6 +104,9 @@ fn cube_has_eight_corners_of_valence_three() {
             let cones: Vec<i32> =
                 model.mesh.vertices().map(|v| model.map.cone(&model.mesh, v)).filter(|&i| i != 0).collect();
             assert_eq!(cones, [1; 8]);
+            let quarters = |v| model.map.quarters(&model.mesh, v);
+            let sharp: Vec<i32> = model.mesh.vertices().map(quarters).filter(|&q| q != 4).collect();
+            assert_eq!(sharp, [3; 8]);
             assert_eq!(e.report.followed_features, model.features.edge_count());
         }
     }

@@ -1,6 +1,6 @@
 //! Branch and bound over the integers: the optimum, or a proven gap.
 //!
-//! In: the relaxed integers as a [`Conditional`], an incumbent, limits. Out: [`Proof`], the best integers
+//! In: the relaxed integers as a `Conditional`, an incumbent, limits. Out: `Proof`, the best integers
 //! found and a bound that no integers undercut.
 //! Holds: without limits and with gap 0 the result is a global optimum; deterministic unless a time limit
 //! strikes.

@@ -135,6 +135,29 @@ impl IntegerGridMap {
         }
     }
 
+    /// Quarters of the full angle that the triangles around an interior vertex cover in the map: exactly 4 at a regular
+    /// one, 4 minus the index elsewhere.
+    ///
+    /// Unlike [`IntegerGridMap::cone`] it sees triangles that wind around the vertex twice without being inverted.
+    /// Counted as the axis directions passed, triangles of negative orientation counting against the others.
+    pub fn quarters(&self, mesh: &TriConnectivity, v: VertexId) -> i32 {
+        let axes = [[1, 0], [0, 1], [-1, 0], [0, -1]];
+        let quarters = |h: HalfEdgeId| {
+            let [o, a, b] = [h, mesh.next(h), mesh.prev(h)].map(|c| self.uv[c]);
+            let sign = signed_area(o, a, b).signum();
+            // The half-open sector from the first arm to the second, of less than half a turn.
+            let (first, second) = if sign > 0 { (a, b) } else { (b, a) };
+            let within = |d: &&[i64; 2]| {
+                let tip = [o[0] + d[0], o[1] + d[1]];
+                let (from_first, to_second) = (signed_area(o, first, tip), signed_area(o, tip, second));
+                let on_first = from_first == 0 && (0..2).any(|k| i128::from(d[k]) * i128::from(first[k] - o[k]) > 0);
+                on_first || (from_first > 0 && to_second > 0)
+            };
+            if sign == 0 { 0 } else { sign as i32 * axes.iter().filter(within).count() as i32 }
+        };
+        mesh.outgoing(v).map(quarters).sum()
+    }
+
     /// Every violated condition, ascending by kind and id; empty for an integer-grid map.
     ///
     /// # Cost       linear
@@ -153,7 +176,8 @@ impl IntegerGridMap {
         }
         for v in mesh.vertices() {
             let at = self.uv[mesh.outgoing_half_edge(v)];
-            if self.cone(mesh, v) != 0 && at.iter().any(|x| x % GRID_UNIT != 0) {
+            let singular = !mesh.is_boundary_vertex(v) && (self.cone(mesh, v) != 0 || self.quarters(mesh, v) != 4);
+            if singular && at.iter().any(|x| x % GRID_UNIT != 0) {
                 defects.push(MapDefect::FractionalSingularity(v));
             }
         }

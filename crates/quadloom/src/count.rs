@@ -1,7 +1,8 @@
 //! Reaching a number of quads by correcting the size.
 //!
-//! In: a count, a tolerance, a first size, and a function that solves for a size and counts. Out: the best solution. Holds: the function is called at most a given number of times. Not: that the count is reached;
-//! integers make the count jump.
+//! In: a count, a tolerance, a first size, and a function that solves for a size and counts. Out: the best solution.
+//! Holds: the function is called at most a given number of times. Not: that the count is reached; integers make the
+//! count jump.
 
 /// How a count is to be reached.
 #[derive(Clone, Copy, Debug, PartialEq)]

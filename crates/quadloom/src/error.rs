@@ -96,6 +96,8 @@ pub enum WarningCode {
     LooseFeaturesDropped,
     /// No map follows the sharp edges that were found; they were not kept.
     SharpEdgesDropped,
+    /// A curve that was found has no quad edge along it.
+    FeatureLost,
     /// The count asked for was missed by more than the tolerance.
     CountMissed,
     /// Feature edges asked for are not kept.

@@ -54,7 +54,7 @@ pub fn feature_report(parts: &[Part]) -> FeatureReport {
 }
 
 /// Chains along which quad edges run.
-fn chains_kept(part: &Part) -> usize {
+pub fn chains_kept(part: &Part) -> usize {
     let Some(solution) = &part.solution else { return part.features.graph.chains.len() };
     let mut kept = vec![false; part.features.graph.chains.len()];
     for &chain in solution.extraction.feature_edges.values().iter().flatten() {

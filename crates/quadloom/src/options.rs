@@ -56,7 +56,7 @@ pub struct GivenField {
     pub directions: Vec<DVec3>,
 }
 
-/// Everything that can be asked of [`crate::remesh`].
+/// Everything that can be asked of [`crate::remesh()`].
 #[derive(Clone, Debug)]
 pub struct RemeshOptions {
     /// Size of the quads.

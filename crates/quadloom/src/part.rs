@@ -16,7 +16,7 @@ use crate::stages::{
 };
 use crate::verify::verify;
 use quadloom_extract::{Distances, Extraction, FinishError, FinishOptions, Reference, finish};
-use quadloom_field::CrossField;
+use quadloom_field::{CrossField, Transport};
 use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, QuadMesh, TriMesh, VertexId};
 
 /// What is asked of one connected surface.
@@ -102,126 +102,189 @@ const ADAPTIVE_WORK_EDGE: f64 = 0.6;
 ///
 /// # Errors     no attempt passed and there is no fallback; given data that do not fit; cancellation
 pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Progress) -> Result<Part, RemeshError> {
-    let mut seconds = Seconds::default();
-    let mut warnings = Vec::new();
-    let (area, diagonal) = (request.mesh.area(), request.mesh.diagonal());
-    let edge = (area / request.quads as f64).sqrt();
-    let found = seconds.time("features", || find_features(request.mesh, &request.features, edge));
-    let named = FeatureRequest { sharp_angle: None, ..request.features.clone() };
-    let named = seconds.time("features", || find_features(request.mesh, &named, edge));
+    let mut run = Run::new(request, options, progress);
+    // 1. The ladder, with all features, then with those that were named.
+    let [found, named] = run.features();
     let any_sharp = found.graph.edge_count() > named.graph.edge_count();
-    let mut solves = 0;
-    let mut last = None;
+    let mut failure = no_result("remesh", "no attempt was made");
     for (attempt, rung) in LADDER.iter().enumerate() {
-        // With a given field the work mesh is always the input: only the count can be varied.
-        if !rung.sharp && !any_sharp && (rung.work_edge, rung.quads) == (LADDER[0].work_edge, LADDER[0].quads) {
+        if !rung.sharp && !any_sharp && rung.same_sizes(&LADDER[0]) {
             continue;
         }
         let features = if rung.sharp { &found } else { &named };
-        let reference = seconds.time("reference", || Reference::new(request.mesh, &features.graph));
-        let quads = rung.quads * request.quads as f64;
-        let made = solve(request, &features.graph, rung, quads, options, progress, &mut seconds);
-        let checked = made.and_then(|solution| {
-            solves += solution.map.solves;
-            let quads = seconds.time("finish", || finish_quads(&solution, &reference, progress))?;
-            progress.report("verify", 0.0);
-            let verification = seconds.time("verify", || verify(&quads, &reference));
-            match verification.passed() {
-                true => Ok((quads, solution)),
-                false => Err(no_result("verification", verification.complaint())),
-            }
-        });
-        match checked {
-            Ok((quads, solution)) => {
-                warnings.extend(fold_warning(&solution));
-                if any_sharp && !rung.sharp {
-                    let count = found.graph.edge_count() - named.graph.edge_count();
-                    let message = format!("no map that follows the {count} sharp edges was found; they were not kept");
-                    warnings.push(Warning::new(WarningCode::SharpEdgesDropped, message));
+        match run.attempt(rung, features) {
+            Ok((quads, solution, distances)) => {
+                if !rung.sharp && any_sharp {
+                    run.warn_of_dropped(found.graph.edge_count() - named.graph.edge_count());
                 }
-                let features = features.clone();
-                let solution = Some(solution);
-                let distances = seconds.time("distances", || distances(&quads, &reference, options))?;
-                return Ok(Part {
-                    quads,
-                    area,
-                    diagonal,
-                    features,
-                    solution,
-                    attempt,
-                    solves,
-                    distances,
-                    warnings,
-                    seconds,
-                });
+                return Ok(run.part(quads, features.clone(), Some(solution), attempt, distances));
             }
             Err(e @ (RemeshError::Cancelled(_) | RemeshError::Mismatch { .. })) => return Err(e),
             Err(e) => {
-                warnings.push(Warning::new(WarningCode::Retried, format!("attempt {} failed: {e}", attempt + 1)));
-                last = Some(e);
+                run.warn(WarningCode::Retried, format!("attempt {} failed: {e}", attempt + 1));
+                failure = e;
             }
         }
     }
-    let features = found;
-    let reference = Reference::new(request.mesh, &features.graph);
-    let failure = last.unwrap_or_else(|| no_result("remesh", "no attempt was made"));
+    // 2. The last resort.
     match options.fallback {
         Fallback::Off => Err(failure),
         Fallback::Split => {
-            let quads = seconds.time("split", || split(request, &features.graph, options, progress))?;
-            let verification = seconds.time("verify", || verify(&quads, &reference));
-            if !verification.passed() {
-                return Err(no_result("split", format!("{}; before that, {failure}", verification.complaint())));
-            }
-            let message =
-                format!("no map without folds was found ({failure}); triangles were split into quads instead");
-            warnings.push(Warning::new(WarningCode::TrianglesSplit, message));
-            let distances = seconds.time("distances", || distances(&quads, &reference, options))?;
-            let attempt = LADDER.len();
-            Ok(Part { quads, area, diagonal, features, solution: None, attempt, solves, distances, warnings, seconds })
+            let (quads, distances) = run.split(&found, &failure)?;
+            Ok(run.part(quads, found, None, LADDER.len(), distances))
         }
     }
 }
 
-/// Work mesh, field, map, extraction.
-fn solve(
-    request: &PartRequest,
-    features: &FeatureGraph,
-    rung: &Attempt,
-    quads: f64,
-    options: &RemeshOptions,
-    progress: &Progress,
-    seconds: &mut Seconds,
-) -> Result<Solution, RemeshError> {
-    let area = request.mesh.area();
-    let edge = (area / quads).sqrt();
-    let (work, field, energy) = match &request.field {
-        Some(direction) => {
-            progress.report("work mesh", 0.0);
-            let (work, field) =
-                seconds.time("work mesh", || work_mesh_with_field(request.mesh, features, direction, options))?;
-            let energy = field.energy(&work.mesh, &quadloom_field::Transport::of(&work.mesh));
-            (work, field, energy)
+impl Attempt {
+    fn same_sizes(&self, other: &Self) -> bool {
+        self.work_edge == other.work_edge && self.quads == other.quads
+    }
+}
+
+/// What all attempts on one surface share.
+struct Run<'a> {
+    request: &'a PartRequest<'a>,
+    options: &'a RemeshOptions,
+    progress: &'a Progress,
+    area: f64,
+    solves: usize,
+    warnings: Vec<Warning>,
+    seconds: Seconds,
+}
+
+impl<'a> Run<'a> {
+    fn new(request: &'a PartRequest<'a>, options: &'a RemeshOptions, progress: &'a Progress) -> Self {
+        let area = request.mesh.area();
+        Self { request, options, progress, area, solves: 0, warnings: Vec::new(), seconds: Seconds::default() }
+    }
+
+    fn warn(&mut self, code: WarningCode, message: String) {
+        self.warnings.push(Warning::new(code, message));
+    }
+
+    fn warn_of_dropped(&mut self, edges: usize) {
+        let message = format!("no map that follows the {edges} sharp edges was found; they were not kept");
+        self.warn(WarningCode::SharpEdgesDropped, message);
+    }
+
+    /// All features, and those that are there without looking for sharp edges.
+    fn features(&mut self) -> [Features; 2] {
+        let edge = (self.area / self.request.quads as f64).sqrt();
+        let all = &self.request.features;
+        let named = FeatureRequest { sharp_angle: None, ..all.clone() };
+        self.seconds.time("features", || [all, &named].map(|wanted| find_features(self.request.mesh, wanted, edge)))
+    }
+
+    /// One way through the stages, verified.
+    fn attempt(
+        &mut self,
+        rung: &Attempt,
+        features: &Features,
+    ) -> Result<(QuadMesh, Solution, Option<Distances>), RemeshError> {
+        let quads = rung.quads * self.request.quads as f64;
+        let edge = (self.area / quads).sqrt();
+        let (work, field, energy) = match &self.request.field {
+            Some(direction) => self.given_field(&features.graph, direction)?,
+            None => self.own_field(&features.graph, edge, rung.work_edge)?,
+        };
+        let map = self.map(&work, &field, quads, edge)?;
+        self.progress.report("extraction", 0.0);
+        let integer_grid = &map.parametrization.map;
+        let extraction = self.seconds.time("extraction", || extract_quads(&work, integer_grid, self.progress))?;
+        let reference = self.seconds.time("reference", || Reference::new(self.request.mesh, &features.graph));
+        let quads = self.seconds.time("finish", || finish_quads(&extraction, &reference, self.progress))?;
+        let solution = Solution { work, field, energy, map, extraction };
+        let distances = self.checked(&quads, &reference)?;
+        self.warnings.extend(fold_warning(&solution));
+        Ok((quads, solution, distances))
+    }
+
+    /// The input's own triangles with the field that was given: only the count varies between attempts.
+    fn given_field(
+        &mut self,
+        features: &FeatureGraph,
+        direction: &FaceMap<DVec3>,
+    ) -> Result<(WorkMesh, CrossField, f64), RemeshError> {
+        self.progress.report("work mesh", 0.0);
+        let make = || work_mesh_with_field(self.request.mesh, features, direction, self.options);
+        let (work, field) = self.seconds.time("work mesh", make)?;
+        let energy = field.energy(&work.mesh, &Transport::of(&work.mesh));
+        Ok((work, field, energy))
+    }
+
+    /// A work mesh, and a field solved on it.
+    fn own_field(
+        &mut self,
+        features: &FeatureGraph,
+        edge: f64,
+        work_edge_rel: f64,
+    ) -> Result<(WorkMesh, CrossField, f64), RemeshError> {
+        let room = if self.request.sizes.is_uniform() { 1.0 } else { ADAPTIVE_WORK_EDGE };
+        let work_edge = work_edge_rel * room * work_edge_length(self.area, edge);
+        let make = || work_mesh(self.request.mesh, features, work_edge, self.options, self.progress);
+        let work = self.seconds.time("work mesh", make)?;
+        let singularities = on_work_mesh(self.request, &work);
+        self.progress.report("cross field", 0.0);
+        let solve = || cross_field(&work, edge, &singularities, self.progress);
+        let (field, report) = self.seconds.time("cross field", solve)?;
+        Ok((work, field, report.energy))
+    }
+
+    /// A map of about so many quads.
+    fn map(&mut self, work: &WorkMesh, field: &CrossField, quads: f64, edge: f64) -> Result<SizedMap, RemeshError> {
+        let Self { request, options, progress, .. } = *self;
+        let sizes = || relative_sizes(work, field, request.mesh, edge, &request.sizes, progress);
+        let size = self.seconds.time("sizing", sizes)?;
+        progress.report("integer-grid map", 0.0);
+        let goal = count_goal(quads, options);
+        let solve = || integer_grid_map(work, field, &size, goal, edge, options.method, progress);
+        let map = self.seconds.time("integer-grid map", solve)?;
+        self.solves += map.solves;
+        Ok(map)
+    }
+
+    /// Distances of quads that pass verification.
+    fn checked(&mut self, quads: &QuadMesh, reference: &Reference) -> Result<Option<Distances>, RemeshError> {
+        self.progress.report("verify", 0.0);
+        let verification = self.seconds.time("verify", || verify(quads, reference));
+        if !verification.passed() {
+            return Err(no_result("verification", verification.complaint()));
         }
-        None => {
-            let room = if request.sizes.is_uniform() { 1.0 } else { ADAPTIVE_WORK_EDGE };
-            let work_edge = rung.work_edge * room * work_edge_length(area, edge);
-            let work = seconds.time("work mesh", || work_mesh(request.mesh, features, work_edge, options, progress))?;
-            let singularities = on_work_mesh(request, &work);
-            progress.report("cross field", 0.0);
-            let (field, report) = seconds.time("cross field", || cross_field(&work, edge, &singularities, progress))?;
-            (work, field, report.energy)
-        }
-    };
-    let size =
-        seconds.time("sizing", || relative_sizes(&work, &field, request.mesh, edge, &request.sizes, progress))?;
-    progress.report("integer-grid map", 0.0);
-    let goal = count_goal(quads, options);
-    let map = seconds
-        .time("integer-grid map", || integer_grid_map(&work, &field, &size, goal, edge, options.method, progress))?;
-    progress.report("extraction", 0.0);
-    let extraction = seconds.time("extraction", || extract_quads(&work, &map.parametrization.map, progress))?;
-    Ok(Solution { work, field, energy, map, extraction })
+        let measure = || self.options.measure_distance.then(|| Distances::measure(quads, reference)).transpose();
+        self.seconds.time("distances", measure).map_err(|e| no_result("report", e))
+    }
+
+    /// Split triangles, verified.
+    fn split(
+        &mut self,
+        features: &Features,
+        failure: &RemeshError,
+    ) -> Result<(QuadMesh, Option<Distances>), RemeshError> {
+        let Self { request, options, progress, .. } = *self;
+        let quads = self.seconds.time("split", || split(request, &features.graph, options, progress))?;
+        let reference = Reference::new(request.mesh, &features.graph);
+        let distances = self.checked(&quads, &reference).map_err(|e| match e {
+            RemeshError::NoResult { why, .. } => no_result("split", format!("{why}; before that, {failure}")),
+            other => other,
+        })?;
+        let message = format!("no map without folds was found ({failure}); triangles were split into quads instead");
+        self.warn(WarningCode::TrianglesSplit, message);
+        Ok((quads, distances))
+    }
+
+    fn part(
+        self,
+        quads: QuadMesh,
+        features: Features,
+        solution: Option<Solution>,
+        attempt: usize,
+        distances: Option<Distances>,
+    ) -> Part {
+        let Self { request, area, solves, warnings, seconds, .. } = self;
+        let diagonal = request.mesh.diagonal();
+        Part { quads, area, diagonal, features, solution, attempt, solves, distances, warnings, seconds }
+    }
 }
 
 /// The prescribed vertices' nearest vertices on the work mesh.
@@ -234,22 +297,13 @@ fn on_work_mesh(request: &PartRequest, work: &WorkMesh) -> Vec<(VertexId, i32)> 
 }
 
 /// Smoothing on the input.
-fn finish_quads(solution: &Solution, reference: &Reference, progress: &Progress) -> Result<QuadMesh, RemeshError> {
+fn finish_quads(extraction: &Extraction, reference: &Reference, progress: &Progress) -> Result<QuadMesh, RemeshError> {
     progress.report("finish", 0.0);
-    match finish(&solution.extraction, reference, &FinishOptions::default(), progress) {
+    match finish(extraction, reference, &FinishOptions::default(), progress) {
         Ok(finished) => Ok(finished.mesh),
         Err(FinishError::Cancelled(c)) => Err(c.into()),
         Err(other) => Err(no_result("finish", other)),
     }
-}
-
-fn distances(
-    quads: &QuadMesh,
-    reference: &Reference,
-    options: &RemeshOptions,
-) -> Result<Option<Distances>, RemeshError> {
-    let measured = options.measure_distance.then(|| Distances::measure(quads, reference));
-    measured.transpose().map_err(|e| no_result("report", e))
 }
 
 fn fold_warning(solution: &Solution) -> Option<Warning> {

@@ -8,7 +8,7 @@
 use crate::components::{join, shares};
 use crate::error::{RemeshError, Warning, WarningCode};
 use crate::features::FeatureRequest;
-use crate::measure::{distances, feature_report, field_summary, map_summary, surface_report};
+use crate::measure::{chains_kept, distances, feature_report, field_summary, map_summary, surface_report};
 use crate::memory;
 use crate::options::{AUTO_QUADS_MAX, AUTO_QUADS_MIN, Elements, RemeshOptions, Target};
 use crate::part::{Part, PartRequest, remesh_part};
@@ -119,7 +119,7 @@ fn remesh_repaired(
     if count.error_percent.abs() > count.tolerance_percent && count.explicit {
         warnings.push(count_warning(&count));
     }
-    warnings.extend(feature_warnings(&parts));
+    warnings.extend(feature_warnings(&parts, !options.features.is_empty() || !options.guides.is_empty()));
     let (quality, irregular) =
         seconds.time("report", || (QuadQuality::of(&quads).summary(), IrregularVertices::of(&quads)));
     let report = Report {
@@ -299,13 +299,20 @@ fn count_warning(count: &CountReport) -> Warning {
     Warning::new(WarningCode::CountMissed, message)
 }
 
-fn feature_warnings(parts: &[Part]) -> Vec<Warning> {
+fn feature_warnings(parts: &[Part], named: bool) -> Vec<Warning> {
     let sum = |f: fn(&Part) -> usize| parts.iter().map(f).sum::<usize>();
     let mut warnings = Vec::new();
     let dropped = sum(|p| p.features.dropped_edges);
     if dropped > 0 {
         let message = format!("{dropped} sharp edges in loose pieces shorter than two quads were not kept");
         warnings.push(Warning::new(WarningCode::LooseFeaturesDropped, message));
+    }
+    let lost = sum(|p| p.features.graph.chains.len()) - parts.iter().map(chains_kept).sum::<usize>();
+    if lost > 0 {
+        let message = format!("{lost} feature curves have no quad edge along them");
+        // What nobody asked for is not missed.
+        let code = if named { WarningCode::FeatureMissed } else { WarningCode::FeatureLost };
+        warnings.push(Warning::new(code, message));
     }
     let missing = sum(|p| p.features.missing_edges);
     if missing > 0 {

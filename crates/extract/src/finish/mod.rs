@@ -36,13 +36,22 @@ pub struct FinishOptions {
     pub poor: f64,
     /// Rounds of that at most. Default 12.
     pub rounds: usize,
+    /// Whether vertices leave their feature where a quad stays inverted otherwise. Default true: a mesh without
+    /// inverted quads is worth more than a few edge lengths of a feature, and the report counts them.
+    pub release: bool,
 }
+
+/// Steps shorter than this are not made, relative to the length at which sweeps end.
+const SHORTEST_STEP_REL: f64 = 0.2;
 
 impl Default for FinishOptions {
     fn default() -> Self {
-        Self { sweeps: 25, settled_rel: 0.01, stretch_kept: 0.7, laplacian: 0.1, poor: 0.35, rounds: 12 }
+        Self { sweeps: 25, settled_rel: 0.01, stretch_kept: 0.7, laplacian: 0.1, poor: 0.35, rounds: 12, release: true }
     }
 }
+
+/// Rings of quads around an inverted one whose features are given up at most, the quad itself being the first.
+const RELEASE_RINGS: usize = 4;
 
 /// What finishing did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -53,6 +62,8 @@ pub struct FinishReport {
     pub single_moves: usize,
     /// Vertices whose corner or curve was not found on the input: they lie on the surface only.
     pub mismatched: usize,
+    /// Vertices that left their corner or curve because a quad stayed inverted otherwise.
+    pub released: usize,
     /// Quads inverted or facing against the surface, when put onto it.
     pub bad_before: usize,
     /// The same at the end.
@@ -99,14 +110,15 @@ pub fn finish(
     let ties = Ties::new(quads, reference, edge);
     report.mismatched = ties.mismatched;
     let mut state = State::new(&quads.mesh, reference, ties);
-    let bad = |state: &State| state.quality.iter().filter(|&&q| q <= 0.0).count();
+    let bad = |state: &State| state.quads.faces().filter(|&f| state.is_bad(f)).count();
     report.bad_before = bad(&state);
     // 2. What is inverted is cured first: sweeps only keep what is good.
     if report.bad_before > 0 {
         report.single_moves += improve_worst(&mut state, 0.05, options.rounds, progress)?;
     }
     // 3. Sweeps.
-    let aim = Aim { stretch_kept: options.stretch_kept, laplacian: options.laplacian, step: 1.0 };
+    let shortest_step = SHORTEST_STEP_REL * options.settled_rel * edge;
+    let aim = Aim { stretch_kept: options.stretch_kept, laplacian: options.laplacian, shortest_step };
     for k in 0..options.sweeps {
         progress.check()?;
         progress.report("finish", k as f64 / options.sweeps as f64);
@@ -117,6 +129,14 @@ pub fn finish(
     }
     // 4. The worst ones by themselves.
     report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
+    // 5. A feature is given up where it alone keeps a quad inverted.
+    for rings in 0..RELEASE_RINGS {
+        if !options.release || bad(&state) == 0 {
+            break;
+        }
+        report.released += state.release_inverted(rings);
+        report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
+    }
     report.bad_after = bad(&state);
     let mesh = quads.mesh.with_positions(state.position)?;
     progress.report("finish", 1.0);

@@ -4,7 +4,7 @@
 //! Holds: after [`State::advance`] no quad is worse than before, unless it is better than [`QUALITY_FLOOR`].
 //! Source: own.
 
-use super::ties::{Tie, Ties, project};
+use super::ties::{Move, Tie, Ties, project};
 use crate::quality::{scaled_jacobian, worst_corner};
 use crate::reference::Reference;
 use quadloom_mesh::{DVec3, FaceId, QuadMesh, VertexId, VertexMap};
@@ -15,18 +15,14 @@ use rayon::prelude::*;
 /// Larger: sweeps stall at the first poor quad; smaller: single quads are given up for the mean.
 const QUALITY_FLOOR: f64 = 0.5;
 
+/// Scaled Jacobian below which a quad counts as inverted.
+const INVERTED: f64 = 0.005;
+
 /// A vertex moves at most this part of the way to its neighbour along a curve, so that two never pass each other.
 const CURVE_STEP_REL: f64 = 0.45;
 
 /// Cosine between a quad's normal and the surface normals at its corners above which no query is needed.
 const CLEARLY_FACING: f64 = 0.25;
-
-/// A new place for a vertex.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Move {
-    pub position: DVec3,
-    pub tie: Tie,
-}
 
 /// Positions, ties and quality of a quad mesh on its way.
 pub(crate) struct State<'a> {
@@ -66,17 +62,15 @@ impl<'a> State<'a> {
     fn against(&self, f: FaceId, corner: [DVec3; 4]) -> Option<DVec3> {
         let normal = (corner[2] - corner[0]).cross(corner[3] - corner[1]);
         let vertices = self.quads.face_vertices(f);
-        let faces = vertices.map(|v| match self.tie[v] {
-            Tie::Surface { face } => Some(face),
-            _ => None,
-        });
-        let clearly = |face: FaceId| {
-            let area = self.reference.mesh.vector_area(face);
-            area.dot(normal) > CLEARLY_FACING * area.length() * normal.length()
-        };
-        let mut on_surface = faces.into_iter().flatten();
-        let hint = on_surface.clone().next();
-        if on_surface.clone().count() >= 2 && on_surface.all(clearly) {
+        let (mut on_surface, mut clear, mut hint) = (0, 0, None);
+        for v in vertices {
+            if let Tie::Surface { face, normal: n } = self.tie[v] {
+                on_surface += 1;
+                clear += usize::from(n.dot(normal) > CLEARLY_FACING * normal.length());
+                hint = hint.or(Some(face));
+            }
+        }
+        if on_surface >= 3 && clear == on_surface {
             return None;
         }
         let centre = corner.iter().sum::<DVec3>() / 4.0;
@@ -103,11 +97,10 @@ impl<'a> State<'a> {
         let p = self.position[v];
         match self.tie[v] {
             Tie::Fixed => None,
-            Tie::Surface { face } => {
+            Tie::Surface { face, .. } => {
                 let n = normal.normalize_or_zero();
                 let tangential = displacement - n * displacement.dot(n);
-                let (position, face) = project(self.reference, p + tangential, normal, Some(face))?;
-                Some(Move { position, tie: Tie::Surface { face } })
+                project(self.reference, p + tangential, normal, Some(face))
             }
             Tie::Curve { chain, arc } => {
                 let curves = &self.reference.curves;
@@ -155,7 +148,8 @@ impl<'a> State<'a> {
                 self.put(v, m);
             }
         }
-        let mut touched: Vec<FaceId> = self.quads.faces().collect();
+        let moved = self.quads.vertices().filter(|v| moves[v.index()].is_some());
+        let mut touched = self.faces_around(moved);
         let mut quality = self.quality.clone();
         while !touched.is_empty() {
             let measured: Vec<f64> = touched.par_iter().map(|&f| self.measure(f)).collect();
@@ -172,12 +166,45 @@ impl<'a> State<'a> {
             for &v in &back {
                 self.put(v, old[v.index()]);
             }
-            touched = back.iter().flat_map(|&v| self.quads.outgoing(v).map(|h| self.quads.face(h))).collect();
-            touched.sort_unstable();
-            touched.dedup();
+            touched = self.faces_around(back.into_iter());
         }
         self.quality = quality;
         self.quads.vertices().map(|v| self.position[v].distance(old[v.index()].position)).fold(0.0, f64::max)
+    }
+
+    /// Quads at some vertices, ascending.
+    fn faces_around(&self, vertices: impl Iterator<Item = VertexId>) -> Vec<FaceId> {
+        let mut at = vec![false; self.quads.face_count()];
+        for v in vertices {
+            self.quads.outgoing(v).for_each(|h| at[self.quads.face(h).index()] = true);
+        }
+        self.quads.faces().filter(|f| at[f.index()]).collect()
+    }
+
+    /// Lets corners and curve vertices at inverted quads, and at `rings` rings of quads around them, leave their
+    /// curves; the surface's boundary stays. Returns how many did.
+    pub fn release_inverted(&mut self, rings: usize) -> usize {
+        let mut around: Vec<FaceId> = self.quads.faces().filter(|&f| self.is_bad(f)).collect();
+        for _ in 0..rings {
+            around = self.faces_around(around.iter().flat_map(|&f| self.quads.face_vertices(f)));
+        }
+        let mut released = 0;
+        for v in around.iter().flat_map(|&f| self.quads.face_vertices(f)) {
+            if matches!(self.tie[v], Tie::Surface { .. }) || self.quads.is_boundary_vertex(v) {
+                continue;
+            }
+            let normal = self.vertex_normal(v);
+            if let Some(there) = project(self.reference, self.position[v], normal, None) {
+                self.put(v, there);
+                released += 1;
+            }
+        }
+        released
+    }
+
+    /// Whether a quad counts as inverted: with a margin, so that writing coordinates as text does not turn it over.
+    pub fn is_bad(&self, f: FaceId) -> bool {
+        self.quality[f.index()] < INVERTED
     }
 
     /// Where a vertex is.

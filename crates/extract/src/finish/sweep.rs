@@ -5,7 +5,8 @@
 //! Source: projective dynamics of shapes as in [Bouaziz2012], one Jacobi step a sweep.
 
 use super::shape::nearest_rectangle;
-use super::state::{Move, State};
+use super::state::State;
+use super::ties::Move;
 use quadloom_mesh::{DVec3, FaceId, VertexId};
 use rayon::prelude::*;
 
@@ -16,8 +17,8 @@ pub(crate) struct Aim {
     pub stretch_kept: f64,
     /// Part of the mean of the neighbours in the proposal, 0..=1.
     pub laplacian: f64,
-    /// Proposed step relative to the full one.
-    pub step: f64,
+    /// Shorter steps are not made, file units.
+    pub shortest_step: f64,
 }
 
 /// One sweep; returns the largest distance moved, file units.
@@ -43,7 +44,9 @@ pub(crate) fn sweep(state: &mut State, aim: Aim) -> f64 {
         .map(|v| {
             let v = VertexId::new(v);
             let target = proposal(state, &rectangles, aim.laplacian, v);
-            state.displaced(v, (target - state.position[v]) * aim.step, normals[v.index()])
+            let step = target - state.position[v];
+            let short = step.length_squared() < aim.shortest_step * aim.shortest_step;
+            if short { None } else { state.displaced(v, step, normals[v.index()]) }
         })
         .collect();
     // 4. Together, as far as no quad suffers.

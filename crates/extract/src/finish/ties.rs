@@ -15,8 +15,23 @@ pub(crate) enum Tie {
     Fixed,
     /// Along a curve; `arc` is the length from the curve's start, file units.
     Curve { chain: ChainId, arc: f64 },
-    /// On the surface; `face` carries it.
-    Surface { face: FaceId },
+    /// On the surface; `face` carries it and has this unit normal.
+    Surface { face: FaceId, normal: DVec3 },
+}
+
+/// A place for a vertex.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Move {
+    pub position: DVec3,
+    pub tie: Tie,
+}
+
+impl Move {
+    /// A place in a face of the surface.
+    fn on(reference: &Reference, face: FaceId, position: DVec3) -> Self {
+        let [a, b, c] = reference.mesh.face_vertices(face).map(|v| reference.mesh.position(v));
+        Self { position, tie: Tie::Surface { face, normal: (b - a).cross(c - a).normalize_or_zero() } }
+    }
 }
 
 /// Distance, relative to the mean quad edge, beyond which a vertex does not belong to the curve it names.
@@ -72,10 +87,12 @@ impl Ties {
 
     fn tie_to_surface(&mut self, reference: &Reference, mesh: &QuadMesh, v: VertexId) -> Tie {
         let normal: DVec3 = mesh.outgoing(v).map(|h| mesh.vector_area(mesh.face(h))).sum();
-        let (position, face) = project(reference, mesh.position(v), normal, None)
-            .unwrap_or_else(|| (mesh.position(v), reference.closest.query(mesh.position(v)).point.face));
-        self.position[v] = position;
-        Tie::Surface { face }
+        let place = project(reference, mesh.position(v), normal, None).unwrap_or_else(|| {
+            let face = reference.closest.query(mesh.position(v)).point.face;
+            Move::on(reference, face, mesh.position(v))
+        });
+        self.position[v] = place.position;
+        place.tie
     }
 }
 
@@ -84,20 +101,21 @@ impl Ties {
 const OTHER_SIDE_STEPS: [f64; 3] = [2.0, 6.0, 20.0];
 
 /// The nearest point of the surface that faces like `normal`; `None` if the search near the point finds none.
-pub(crate) fn project(reference: &Reference, p: DVec3, normal: DVec3, hint: Option<FaceId>) -> Option<(DVec3, FaceId)> {
+pub(crate) fn project(reference: &Reference, p: DVec3, normal: DVec3, hint: Option<FaceId>) -> Option<Move> {
     let query = |q: DVec3| match hint {
         Some(f) => reference.closest.query_near(q, f),
         None => reference.closest.query(q),
     };
-    let faces_along = |f: FaceId| reference.mesh.vector_area(f).dot(normal) >= 0.0;
+    let along = |m: &Move| matches!(m.tie, Tie::Surface { normal: n, .. } if n.dot(normal) >= 0.0);
     let nearest = query(p);
-    if faces_along(nearest.point.face) {
-        return Some((nearest.position, nearest.point.face));
+    let place = Move::on(reference, nearest.point.face, nearest.position);
+    if along(&place) {
+        return Some(place);
     }
     let direction = normal.normalize_or_zero();
     OTHER_SIDE_STEPS.iter().find_map(|&s| {
         let c = query(p + direction * (s * nearest.distance));
-        faces_along(c.point.face).then_some((c.position, c.point.face))
+        Some(Move::on(reference, c.point.face, c.position)).filter(along)
     })
 }
 

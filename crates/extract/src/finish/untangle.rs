@@ -3,8 +3,8 @@
 //! In: a [`State`]. Out: the same with its poor quads better. Holds: the worst quad at a moved vertex only improves.
 //! Source: pattern search on the local maximin, the classical alternative to [Freitag1997]'s linear programs.
 
-use super::state::{Move, State};
-use super::ties::Tie;
+use super::state::State;
+use super::ties::{Move, Tie};
 use quadloom_mesh::{Cancelled, DVec3, FaceId, Progress, VertexId};
 
 /// Radii of the pattern, relative to the mean length of the edges at the vertex.

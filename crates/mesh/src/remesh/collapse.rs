@@ -98,6 +98,9 @@ impl Remesher<'_> {
                 return None;
             }
         }
+        if self.work.seam_folds(h, merged.position) {
+            return None;
+        }
         let error = self.removal_error(h, &merged, place);
         if error > self.limits.max_deviation * merged.size {
             return None;

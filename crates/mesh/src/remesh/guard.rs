@@ -4,7 +4,7 @@
 //! Holds: a face whose shape or direction already breaks a limit may stay as bad, never become worse.
 
 use super::surface::Surface;
-use super::work::{NONE, Vertex, Work, prev};
+use super::work::{NONE, Vertex, Work, next, prev};
 use crate::closest::closest_weights;
 use glam::DVec3;
 
@@ -69,6 +69,12 @@ impl Shape {
         if scale > 0.0 { self.twice.dot(direction) / scale } else { 1.0 }
     }
 
+    /// Whether the turn of a face can be judged: by its own direction and by normals of the input.
+    #[inline]
+    fn has_direction(old: &Self, input: DVec3) -> bool {
+        old.quality > NO_DIRECTION && input.length_squared() > 0.01
+    }
+
     /// Whether this shape may replace `old`, given the sum of the input's normals at its vertices.
     #[inline]
     pub fn may_replace(&self, old: &Shape, input: DVec3, limits: &Limits) -> bool {
@@ -105,6 +111,33 @@ impl Shape {
     }
 }
 
+/// Cosine of the dihedral angle, 120°, from which two faces count as folded over one another. Creases of thin plates that
+/// are no features come near 90°; folds are near 180°.
+const COS_FOLD: f64 = -0.5;
+
+/// Whether two neighbours (each before and after) fold over one another that did not before.
+#[inline]
+fn folds(one: [Shape; 2], two: [Shape; 2]) -> bool {
+    let folded = |k: usize| {
+        one[k].quality > NO_DIRECTION && two[k].quality > NO_DIRECTION && one[k].cos_to(two[k].twice) < COS_FOLD
+    };
+    folded(1) && !folded(0)
+}
+
+/// Whether the edge to `end` comes to bulge too far when one vertex becomes another.
+#[inline]
+fn bulges(old: &Vertex, new: &Vertex, end: &Vertex, limits: &Limits) -> bool {
+    let height = sag(new, end);
+    height > limits.max_deviation * new.size.min(end.size) && height > sag(old, end)
+}
+
+/// Whether the centre of a face comes to lie farther from the input than allowed, and than before.
+fn cuts_deeper(old: &Vertex, new: &Vertex, [x, y]: [&Vertex; 2], surface: &Surface<'_>, limits: &Limits) -> bool {
+    let height = |p: DVec3| surface.height(Shape::centre([p, x.position, y.position]), new.hint);
+    let after = height(new.position);
+    after > limits.max_deviation * new.size && after > height(old.position)
+}
+
 /// Estimated height of the surface over the chord from `a` to `b`, file units.
 ///
 /// A parabola that leaves the tangent plane by d at distance c bulges by d/4 over the chord.
@@ -123,35 +156,57 @@ impl Work {
 
     /// Whether the faces at `v` that do not touch `other` stay healthy when `v` becomes `moved`.
     pub fn may_become(&self, v: u32, moved: &Vertex, other: u32, surface: &Surface<'_>, limits: &Limits) -> bool {
-        let (old_place, place) = (&self.vertices[v as usize], moved.position);
+        let place = &self.vertices[v as usize];
         let (mut worst_old, mut worst_new) = (f64::INFINITY, f64::INFINITY);
+        let mut last: Option<[Shape; 2]> = None;
         for h in self.ring(v) {
-            let (x, y) = (self.tgt(h), self.org(prev(h)));
+            let (x, y) = (self.tgt(h), self.apex(h));
             let (vx, vy) = (&self.vertices[x as usize], &self.vertices[y as usize]);
-            let old = Shape::of([old_place.position, vx.position, vy.position]);
+            let old = Shape::of([place.position, vx.position, vy.position]);
             worst_old = worst_old.min(old.quality);
             if x == other || y == other {
+                last = None;
                 continue;
             }
-            let new = Shape::of([place, vx.position, vy.position]);
+            let new = Shape::of([moved.position, vx.position, vy.position]);
             worst_new = worst_new.min(new.quality);
             let input = moved.normal + vx.normal + vy.normal;
-            if !new.may_replace(&old, input, limits) {
+            let pair = [old, new];
+            if !new.may_replace(&old, input, limits)
+                || last.is_some_and(|last| self.seg(h) == NONE && folds(last, pair))
+                || (!Shape::has_direction(&old, input) && self.folds_outwards(next(h), pair))
+                || bulges(place, moved, vx, limits)
+                || (new.cuts_edge([moved, vx, vy]) && cuts_deeper(place, moved, [vx, vy], surface, limits))
+            {
                 return false;
             }
-            let sag_new = sag(moved, vx);
-            if sag_new > limits.max_deviation * moved.size.min(vx.size) && sag_new > sag(old_place, vx) {
-                return false;
-            }
-            if new.cuts_edge([moved, vx, vy]) {
-                let centre = |p: DVec3| surface.height(Shape::centre([p, vx.position, vy.position]), moved.hint);
-                let height = centre(place);
-                if height > limits.max_deviation * moved.size && height > centre(old_place.position) {
-                    return false;
-                }
-            }
+            last = Some(pair);
         }
         worst_new >= limits.min_quality.min(worst_old)
+    }
+
+    /// Whether a face that changes folds over the face across its side `side`, which does not change.
+    fn folds_outwards(&self, side: u32, pair: [Shape; 2]) -> bool {
+        let outer = self.twin(side);
+        outer != NONE && self.seg(outer) == NONE && folds([Shape::of(self.corners(outer)); 2], pair)
+    }
+
+    /// Whether the faces that the collapse of `h` to `place` makes neighbours fold over one another.
+    pub fn seam_folds(&self, h: u32, place: DVec3) -> bool {
+        let (a, b) = (self.org(h), self.tgt(h));
+        [h, self.twin(h)].into_iter().filter(|&side| side != NONE).any(|side| {
+            let sides = [next(side), prev(side)].map(|g| (self.twin(g), self.seg(g)));
+            let [(first, NONE), (second, NONE)] = sides else { return false };
+            if first == NONE || second == NONE {
+                return false;
+            }
+            let moved = |g: u32| {
+                let corners = [self.org(g), self.tgt(g), self.apex(g)];
+                Shape::of(corners.map(|v| if v == a || v == b { place } else { self.pos(v) }))
+            };
+            let (first, second) = (moved(first), moved(second));
+            first.quality > NO_DIRECTION && second.quality > NO_DIRECTION && first.cos_to(second.twice) < COS_FOLD
+        })
     }
 
     /// Distance of the point `p` from the faces at `v` as they would be with `v` at `place`, without those touching

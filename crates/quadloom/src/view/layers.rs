@@ -89,8 +89,8 @@ pub fn seams(mesh: &TriMesh, map: &IntegerGridMap) -> Vec<Segment> {
 /// Crosses of a field with one angle per face, evenly thinned out to about `limit`.
 ///
 /// Faces are passed in id order and one is taken unless a taken one of the same side of the surface is nearer than
-/// r, where the discs of diameter r around `limit` points fill [`JAMMED`] of the area. A cross is at its face's
-/// centroid and as long as [`CROSS_LENGTH`] times the side of a square of the area that it stands for.
+/// r, where the discs of diameter r around `limit` points fill `JAMMED` of the area. A cross is at its face's
+/// centroid and as long as `CROSS_LENGTH` times the side of a square of the area that it stands for.
 ///
 /// # Input      angle: of one of the four directions in the frame of the face (x along side 0), radians
 /// # Output     ascending by face; fewer than `limit` where there are fewer faces
