@@ -1,8 +1,9 @@
 //! Local search over the singularities of a cross field: moves along edges, cancellation of opposite pairs.
 //!
 //! In: a factorised [`SmoothnessSystem`] and period jumps. Out: period jumps and angles of a lower objective
-//! E + w·Σ|4·I(v)|, E of Eq. (8.1). Holds: every accepted change lowers the objective, or removes a pair that is closer
-//! than the cancel distance at a bounded rise; prescribed indices and index sums are kept; angles stay exact minimisers.
+//! E + Σ w(v)·|4·I(v)|, E of Eq. (8.1). Holds: every accepted change lowers the objective, or removes a pair that is
+//! closer than the cancel distance at a bounded rise; prescribed indices and index sums are kept; angles stay exact
+//! minimisers. Not: that no singularity is left beside a curve, where there is no other place.
 //! Source: [Bommes2012] §8.2, local search singularity optimization: moving a singularity along an edge changes the
 //! edge's period jump, hence the right-hand side only. The exact change of E below is its consequence.
 //!
@@ -58,6 +59,11 @@ pub(crate) struct SearchCounts {
 /// Vertices looked at for a place away from curves; in a gap so narrow that none is found, the singularity stays.
 const WAY_OUT_VERTICES: usize = 60;
 
+/// Vertices beside the given ones, without them: on curves singularities have room, next to them they have not.
+pub(crate) fn beside(mesh: &TriConnectivity, on_curve: &VertexMap<bool>) -> VertexMap<bool> {
+    VertexMap::from_fn(mesh.vertex_count(), |v| !on_curve[v] && mesh.neighbours(v).any(|w| on_curve[w]))
+}
+
 /// Weights of the search's objective.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SearchOptions {
@@ -69,6 +75,8 @@ pub(crate) struct SearchOptions {
     pub near_pair_cost: f64,
     /// Pairs farther apart than this are not tried.
     pub reach: f64,
+    /// Energy per quarter of index beside a curve, on top of `singularity_cost`.
+    pub crowding_cost: f64,
 }
 
 /// Period jumps with their optimal angles.
@@ -80,6 +88,8 @@ pub(crate) struct Search<'a> {
     options: SearchOptions,
     /// Vertices of equal group may exchange index: 0 is free, others have prescribed sums.
     group: VertexMap<u32>,
+    /// Price of a quarter of index at each vertex; 0 on the boundary, where indices are not counted.
+    price: VertexMap<f64>,
     field: CrossField,
     turn: EdgeMap<f64>,
     index: VertexMap<i32>,
@@ -110,8 +120,13 @@ impl<'a> Search<'a> {
         system: &'a SmoothnessSystem<'a>,
         group: VertexMap<u32>,
         period_jump: EdgeMap<i32>,
+        crowded: &VertexMap<bool>,
         options: SearchOptions,
     ) -> Self {
+        let price = VertexMap::from_fn(mesh.vertex_count(), |v| match mesh.is_boundary_vertex(v) {
+            true => 0.0,
+            false => options.singularity_cost + if crowded[v] { options.crowding_cost } else { 0.0 },
+        });
         let mut search = Self {
             mesh,
             transport,
@@ -119,6 +134,7 @@ impl<'a> Search<'a> {
             system,
             options,
             group,
+            price,
             field: CrossField { angle: FaceMap::filled(0, 0.0), period_jump },
             turn: EdgeMap::filled(mesh.edge_count(), 0.0),
             index: VertexMap::filled(mesh.vertex_count(), 0),
@@ -159,23 +175,15 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Moves singularities away from the neighbours of the given vertices, along shortest edge paths that avoid those.
+    /// Moves the singularities that the search left on crowded vertices away, along shortest edge paths that avoid
+    /// the curves.
     ///
     /// Not at the least energy: the singularity comes to rest in the next ring, where a map has room for it.
-    pub fn move_clear(&mut self, curve: &[VertexId]) {
-        let mut barred = VertexMap::filled(self.mesh.vertex_count(), false);
-        let mut near = barred.clone();
-        for &v in curve {
-            barred[v] = true;
-            for w in self.mesh.neighbours(v) {
-                near[w] = true;
-            }
-        }
-        let crowded: Vec<VertexId> =
-            self.mesh.vertices().filter(|&v| near[v] && !barred[v] && self.index[v] != 0).collect();
-        for &v in &crowded {
+    pub fn move_clear(&mut self, on_curve: &VertexMap<bool>, crowded: &VertexMap<bool>) {
+        let found: Vec<VertexId> = self.mesh.vertices().filter(|&v| crowded[v] && self.index[v] != 0).collect();
+        for &v in &found {
             let quarters = self.index[v];
-            let Some(path) = self.way_out(v, &barred, &near) else { continue };
+            let Some(path) = self.way_out(v, on_curve, crowded) else { continue };
             let mut at = v;
             for e in path {
                 let [a, b] = self.mesh.ends(e);
@@ -183,18 +191,18 @@ impl<'a> Search<'a> {
                 at = if a == at { b } else { a };
             }
         }
-        if !crowded.is_empty() {
+        if !found.is_empty() {
             self.solve();
         }
     }
 
     /// Edges of a shortest path to a vertex away from the curves without another singularity beside it.
-    fn way_out(&self, from: VertexId, barred: &VertexMap<bool>, near: &VertexMap<bool>) -> Option<Vec<EdgeId>> {
+    fn way_out(&self, from: VertexId, on_curve: &VertexMap<bool>, crowded: &VertexMap<bool>) -> Option<Vec<EdgeId>> {
         let mut through: BTreeMap<VertexId, EdgeId> = BTreeMap::new();
         let mut queue = std::collections::VecDeque::from([from]);
         while let Some(v) = queue.pop_front() {
             let free = |w: VertexId| w == from || self.index[w] == 0;
-            if v != from && !near[v] && free(v) && self.mesh.neighbours(v).all(free) {
+            if v != from && !crowded[v] && free(v) && self.mesh.neighbours(v).all(free) {
                 let (mut path, mut at) = (Vec::new(), v);
                 while at != from {
                     let e = through[&at];
@@ -211,7 +219,7 @@ impl<'a> Search<'a> {
             for e in self.mesh.vertex_edges(v) {
                 let [a, b] = self.mesh.ends(e);
                 let w = if a == v { b } else { a };
-                let open = !barred[w] && !self.mesh.is_boundary_vertex(w) && w != from && free(w);
+                let open = !on_curve[w] && !self.mesh.is_boundary_vertex(w) && w != from && free(w);
                 if open && !through.contains_key(&w) && self.is_passable(e) {
                     through.insert(w, e);
                     queue.push_back(w);
@@ -239,14 +247,20 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Σ|4·I| after minus before a change of one edge's jump.
-    fn index_change(&self, e: EdgeId, amount: i32) -> i32 {
+    /// Price of the indices after minus before a change of one edge's jump.
+    ///
+    /// A pair that appears is a near one: it must gain what joining it may cost, lest pairs come and go for ever.
+    fn fee(&self, e: EdgeId, amount: i32) -> f64 {
         let [a, b] = self.mesh.ends(e);
-        let change = |v: VertexId, by: i32| match self.mesh.is_boundary_vertex(v) {
-            true => 0,
-            false => (self.index[v] + by).abs() - self.index[v].abs(),
-        };
-        change(a, amount) + change(b, -amount)
+        let (mut fee, mut more) = (0.0, 0);
+        for (v, by) in [(a, amount), (b, -amount)] {
+            if !self.mesh.is_boundary_vertex(v) {
+                let change = (self.index[v] + by).abs() - self.index[v].abs();
+                fee += self.price[v] * f64::from(change);
+                more += change;
+            }
+        }
+        fee + 0.5 * self.options.near_pair_cost * f64::from(more.max(0))
     }
 
     /// Whether index may flow along an edge: it is interior and keeps every prescribed sum.
@@ -254,6 +268,48 @@ impl<'a> Search<'a> {
         let (i, j) = self.mesh.edge_faces(e);
         let [a, b] = self.mesh.ends(e);
         j.is_some_and(|j| self.system.is_free(i) || self.system.is_free(j)) && self.group[a] == self.group[b]
+    }
+}
+
+/// Prescriptions.
+impl Search<'_> {
+    /// Carries index over the border of each prescribed set until its sum is the prescribed one, where that is
+    /// cheapest; false where a set has no border to unprescribed vertices.
+    pub fn enforce(&mut self, sums: &[(&[VertexId], i32)], progress: &Progress) -> Result<bool, FieldError> {
+        for &(list, wanted) in sums {
+            loop {
+                progress.check()?;
+                let excess = list.iter().map(|&v| self.index[v]).sum::<i32>() - wanted;
+                if excess == 0 {
+                    break;
+                }
+                let Some(change) = self.cheapest_exit(list, excess.signum()) else { return Ok(false) };
+                self.apply(&[change]);
+                self.solve();
+            }
+        }
+        Ok(true)
+    }
+
+    /// The change of one jump that carries a quarter of the given sign out of a set at the least energy.
+    fn cheapest_exit(&mut self, list: &[VertexId], sign: i32) -> Option<(EdgeId, i32)> {
+        let mut best: Option<(f64, EdgeId, i32)> = None;
+        for &v in list {
+            let edges: Vec<EdgeId> = self.mesh.vertex_edges(v).collect();
+            for e in edges {
+                let [a, b] = self.mesh.ends(e);
+                let other = if a == v { b } else { a };
+                if self.group[other] != 0 || !self.is_crossable(e) {
+                    continue;
+                }
+                let amount = if a == v { -sign } else { sign };
+                let change = self.unit_cost(e) - PI * f64::from(amount) * self.turn[e];
+                if best.is_none_or(|(least, known, _)| (change, e) < (least, known)) {
+                    best = Some((change, e, amount));
+                }
+            }
+        }
+        best.map(|(_, e, amount)| (e, amount))
     }
 }
 
@@ -297,7 +353,7 @@ impl Search<'_> {
             if turn < SMALLEST_MOVING_TURN || !self.is_passable(e) {
                 continue;
             }
-            let linear = self.fee(self.index_change(e, self.direction_of(e))) - PI * turn;
+            let linear = self.fee(e, self.direction_of(e)) - PI * turn;
             let change = linear + if linear < 0.0 { self.unit_cost(e) } else { 0.0 };
             if change < -LEAST_GAIN {
                 list.push((change, e));
@@ -312,13 +368,6 @@ impl Search<'_> {
         if self.turn[e] > 0.0 { 1 } else { -1 }
     }
 
-    /// Price of a change of Σ|4·I|. A pair that appears is a near one: it must gain what joining it may cost, lest pairs
-    /// come and go for ever.
-    fn fee(&self, index_change: i32) -> f64 {
-        let change = f64::from(index_change);
-        self.options.singularity_cost * change + self.options.near_pair_cost * 0.5 * change.max(0.0)
-    }
-
     /// Changes the jump of an edge if that lowers the objective, with the angles of a patch around it free.
     fn try_move(&mut self, e: EdgeId, touched: &mut BTreeSet<EdgeId>) {
         let amount = self.direction_of(e);
@@ -330,7 +379,7 @@ impl Search<'_> {
         let force = x.clone();
         patch.solve(&mut x);
         let gain: f64 = x.iter().zip(&force).map(|(x, force)| x * force).sum();
-        let change = self.turn[e].powi(2) - before.powi(2) - gain + self.fee(self.index_change(e, amount));
+        let change = self.turn[e].powi(2) - before.powi(2) - gain + self.fee(e, amount);
         if change > -LEAST_GAIN {
             self.turn[e] = before;
             return;
@@ -482,7 +531,7 @@ impl Search<'_> {
     /// Rise of the energy at which a pair is still joined.
     fn allowance(&self, transfer: &Transfer) -> f64 {
         let near = if transfer.length <= self.options.cancel_distance { self.options.near_pair_cost } else { 0.0 };
-        2.0 * self.options.singularity_cost + near
+        self.price[transfer.from] + self.price[transfer.to] + near
     }
 
     /// Change of the energy if the path's cost were that of a regular triangulation.

@@ -7,20 +7,20 @@
 //!
 //! 1. Roots: constrained faces, and one face per component without any.
 //! 2. Start: period jumps by mixed-integer rounding or from the globally optimal field.
-//! 3. Local search over the singularities.
-//! 4. Components without any direction turn to the preferred directions.
+//! 3. Prescribed indices, where the start does not have them.
+//! 4. Local search over the singularities.
+//! 5. Components without any direction turn to the preferred directions.
 
 use crate::constraints::{FieldConstraints, SoftDirection};
 use crate::cross_field::{CrossField, nearest_jump};
 use crate::error::FieldError;
 use crate::mixed_integer::mixed_integer_jumps;
-use crate::search::{Search, SearchOptions, index_groups};
+use crate::search::{Search, SearchOptions, beside, index_groups};
 use crate::smoothest::{COARSEST, smoothest_angles};
 use crate::system::{Roots, SmoothnessSystem};
 use crate::transport::Transport;
-use quadloom_mesh::VertexId;
 use quadloom_mesh::topology::components;
-use quadloom_mesh::{DVec2, EdgeMap, FaceId, FaceMap, Progress, TriConnectivity};
+use quadloom_mesh::{DVec2, EdgeMap, FaceId, FaceMap, Progress, TriConnectivity, VertexId, VertexMap};
 use quadloom_numeric::{Rounding, SolveReport};
 use std::f64::consts::FRAC_PI_2;
 use std::time::Instant;
@@ -28,8 +28,8 @@ use std::time::Instant;
 /// How the first period jumps are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FieldStart {
-    /// From the globally optimal direction field ([Knoppel2013]), solved on a coarsened mesh and smoothed; where
-    /// indices are prescribed, as `Rounded` greedily.
+    /// From the globally optimal direction field ([Knoppel2013]), solved on a coarsened mesh and smoothed. Prescribed
+    /// indices are reached from there, or by greedy rounding if they are many or overlap.
     Smoothest,
     /// As `Smoothest`, solved on the whole mesh: slower, the same after the local search in general.
     SmoothestExactly,
@@ -54,9 +54,11 @@ pub struct FieldOptions {
     pub near_pair_cost: f64,
     /// Opposite singularities farther apart are not considered as a pair, file units. Default: unlimited.
     pub reach: f64,
-    /// Vertices of curves that singularities must not be next to: at the end, those on neighbouring vertices are moved
-    /// one ring further, as a map has no room for them there. Default: none.
+    /// Vertices of curves that singularities should not be next to, as a map has no room for them there; on the curve
+    /// they may be. Those that the search leaves beside a curve are moved one ring further. Default: none.
     pub clear_of: Vec<VertexId>,
+    /// Energy per quarter of index next to a curve, radians², on top of `singularity_cost`.
+    pub crowding_cost: f64,
 }
 
 impl Default for FieldOptions {
@@ -69,6 +71,7 @@ impl Default for FieldOptions {
             near_pair_cost: 1.0,
             reach: f64::INFINITY,
             clear_of: Vec::new(),
+            crowding_cost: 0.5,
         }
     }
 }
@@ -100,6 +103,9 @@ pub struct FieldReport {
     pub seconds: [f64; 2],
 }
 
+/// Prescriptions up to which indices are carried to their places one by one; more of them leave no room for that.
+const MOST_ENFORCED: usize = 64;
+
 /// Solves for a smooth cross field under constraints.
 ///
 /// # Input      length: of every edge, file units; constraints: angles in radians, indices in quarters
@@ -124,50 +130,88 @@ pub fn solve_cross_field(
     let mut roots = Roots::new(mesh, constraints);
     report.anchors = roots.anchors.clone();
     // 2. Start.
-    let period_jump = match options.start {
-        start @ (FieldStart::Smoothest | FieldStart::SmoothestExactly) if !constraints.prescribes_indices() => {
-            let coarsest = if start == FieldStart::Smoothest { COARSEST } else { usize::MAX };
-            let angle = smoothest_angles(mesh, transport, &roots, coarsest, progress)?;
-            turn_soft_directions(&mut roots, &angle);
-            EdgeMap::from_fn(mesh.edge_count(), |e| nearest_jump(mesh, transport, &angle, e))
-        }
-        start => {
-            let rounding = if let FieldStart::Rounded(rounding) = start { rounding } else { Rounding::Greedy };
-            let (jumps, rounded) =
-                mixed_integer_jumps(mesh, transport, length, &roots, constraints, rounding, progress)?;
-            report.rounding = Some(rounded);
-            jumps
-        }
-    };
-    let system = SmoothnessSystem::new(mesh, transport, roots)?;
+    let (period_jump, rounded) =
+        start_jumps(mesh, transport, length, &mut roots, constraints, options.start, progress)?;
+    report.rounding = rounded;
+    let system = SmoothnessSystem::new(mesh, transport, roots.clone())?;
     report.free_faces = system.free_faces();
-    let search_options = SearchOptions {
-        singularity_cost: options.singularity_cost,
-        cancel_distance: options.cancel_distance,
-        near_pair_cost: options.near_pair_cost,
-        reach: options.reach,
+    let mut on_curve = VertexMap::filled(mesh.vertex_count(), false);
+    options.clear_of.iter().for_each(|&v| on_curve[v] = true);
+    let crowded = beside(mesh, &on_curve);
+    let begin = |jumps| {
+        let groups = index_groups(mesh, constraints.index_sums());
+        Search::new(mesh, transport, length, &system, groups, jumps, &crowded, options.into())
     };
-    let groups = index_groups(mesh, constraints.index_sums());
-    let mut search = Search::new(mesh, transport, length, &system, groups, period_jump, search_options);
+    let mut search = begin(period_jump);
+    // 3. Prescriptions, which the smoothest start does not know.
+    let sums: Vec<(&[VertexId], i32)> = constraints.index_sums().collect();
+    let disjoint = sums.len() <= MOST_ENFORCED && are_disjoint(mesh, &sums);
+    if !disjoint || !search.enforce(&sums, progress)? {
+        let rounded = mixed_integer_jumps(mesh, transport, length, &roots, constraints, Rounding::Greedy, progress)?;
+        report.rounding = Some(rounded.1);
+        search = begin(rounded.0);
+    }
     report.start_energy = search.field().energy(mesh, transport);
     report.start_singularities = search.field().singularities(mesh, transport).len();
     report.seconds[0] = clock.elapsed().as_secs_f64();
-    // 3. Local search.
+    // 4. Local search.
     let clock = Instant::now();
     if options.local_search {
         search.run(progress)?;
+        search.move_clear(&on_curve, &crowded);
     }
-    search.move_clear(&options.clear_of);
     report.moves = search.counts.moves;
     report.twists = search.counts.twists;
     report.cancelled_pairs = search.counts.cancelled_pairs;
     let mut field = search.into_field();
-    // 4. A component without directions is free to turn as a whole.
+    // 5. A component without directions is free to turn as a whole.
     turn_free_components(mesh, &report.anchors, constraints, &mut field);
     report.energy = field.energy(mesh, transport);
     report.singularities = field.singularities(mesh, transport).len();
     report.seconds[1] = clock.elapsed().as_secs_f64();
     Ok((field, report))
+}
+
+/// Period jumps to start from; turns soft directions to the branch that the start chose.
+fn start_jumps(
+    mesh: &TriConnectivity,
+    transport: &Transport,
+    length: &EdgeMap<f64>,
+    roots: &mut Roots,
+    constraints: &FieldConstraints,
+    start: FieldStart,
+    progress: &Progress,
+) -> Result<(EdgeMap<i32>, Option<SolveReport>), FieldError> {
+    let coarsest = match start {
+        FieldStart::Rounded(rounding) => {
+            let (jumps, rounded) =
+                mixed_integer_jumps(mesh, transport, length, roots, constraints, rounding, progress)?;
+            return Ok((jumps, Some(rounded)));
+        }
+        FieldStart::Smoothest => COARSEST,
+        FieldStart::SmoothestExactly => usize::MAX,
+    };
+    let angle = smoothest_angles(mesh, transport, roots, coarsest, progress)?;
+    turn_soft_directions(roots, &angle);
+    Ok((EdgeMap::from_fn(mesh.edge_count(), |e| nearest_jump(mesh, transport, &angle, e)), None))
+}
+
+/// Whether no vertex is prescribed twice.
+fn are_disjoint(mesh: &TriConnectivity, sums: &[(&[VertexId], i32)]) -> bool {
+    let mut seen = VertexMap::filled(mesh.vertex_count(), false);
+    sums.iter().flat_map(|(list, _)| list.iter()).all(|&v| !std::mem::replace(&mut seen[v], true))
+}
+
+impl From<&FieldOptions> for SearchOptions {
+    fn from(options: &FieldOptions) -> Self {
+        Self {
+            singularity_cost: options.singularity_cost,
+            cancel_distance: options.cancel_distance,
+            near_pair_cost: options.near_pair_cost,
+            reach: options.reach,
+            crowding_cost: options.crowding_cost,
+        }
+    }
 }
 
 /// Adds to all angles of each anchored component the one that brings its crosses nearest to the preferred directions:

@@ -4,7 +4,7 @@
 //! Holds: every feature edge belongs to exactly one chain; chains meet only at corners; a chain without
 //! a corner is closed; ids follow the smallest edge id. Source: [Bommes2012] §8.4, feature line alignment.
 
-use crate::ids::{EdgeId, EdgeMap, VertexId, VertexMap};
+use crate::ids::{EdgeId, EdgeMap, HalfEdgeId, VertexId, VertexMap};
 use crate::mesh::TriMesh;
 use crate::metric::dihedral_angle;
 use serde::{Deserialize, Serialize};
@@ -58,11 +58,14 @@ pub struct FeatureOptions {
     pub min_loose_length: f64,
     /// Connected pieces of sharp edges shorter than this are dropped, closed ones too, file units. Default 0: none is.
     pub min_piece_length: f64,
+    /// Connected pieces of sharp edges with an open end are dropped if their median edge is fewer times sharper than the
+    /// edges beside it. Default 0: none is.
+    pub min_contrast: f64,
 }
 
 impl Default for FeatureOptions {
     fn default() -> Self {
-        Self { sharp_angle: Some(35.0), corner_angle: 50.0, min_loose_length: 0.0, min_piece_length: 0.0 }
+        Self { sharp_angle: Some(35.0), corner_angle: 50.0, min_loose_length: 0.0, min_piece_length: 0.0, min_contrast: 0.0 }
     }
 }
 
@@ -92,7 +95,7 @@ impl FeatureGraph {
         options: &FeatureOptions,
     ) -> (Self, usize) {
         let first = Self::group(mesh, &kind, options);
-        let dropped = first.short_loose_edges(mesh, options);
+        let dropped = first.unwanted_edges(mesh, options);
         if dropped.is_empty() {
             return (first, 0);
         }
@@ -194,54 +197,108 @@ impl FeatureGraph {
         self.chains.push(FeatureChain { kind, vertices, closed });
     }
 
-    fn short_loose_edges(&self, mesh: &TriMesh, options: &FeatureOptions) -> Vec<EdgeId> {
-        // Loose pieces are whole connected components of sharp edges: total length below the limit, and an open end.
-        if options.min_loose_length <= 0.0 && options.min_piece_length <= 0.0 {
+    /// Edges of the pieces of sharp edges that are not worth keeping.
+    fn unwanted_edges(&self, mesh: &TriMesh, options: &FeatureOptions) -> Vec<EdgeId> {
+        if options.min_loose_length <= 0.0 && options.min_piece_length <= 0.0 && options.min_contrast <= 0.0 {
             return Vec::new();
         }
-        let mut piece: Vec<usize> = (0..self.chains.len()).collect();
-        fn root(piece: &mut [usize], mut i: usize) -> usize {
-            while piece[i] != i {
-                piece[i] = piece[piece[i]];
-                i = piece[i];
-            }
-            i
+        let piece = self.sharp_pieces(mesh);
+        let count = piece.iter().flatten().max().map_or(0, |&last| last + 1);
+        // 1. Length and open ends of every piece.
+        let ends_at = self.chain_ends(mesh);
+        let (mut length, mut loose) = (vec![0.0; count], vec![false; count]);
+        for (chain, &piece) in self.chains.iter().zip(&piece) {
+            let Some(piece) = piece else { continue };
+            let ends = [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]];
+            loose[piece] |= !chain.closed && ends.iter().any(|&v| ends_at[v] == 1);
         }
-        let mut first_at: VertexMap<Option<usize>> = VertexMap::filled(mesh.vertex_count(), None);
-        let mut ends_at = VertexMap::filled(mesh.vertex_count(), 0u32);
-        for (i, chain) in self.chains.iter().enumerate() {
-            for v in [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]] {
-                ends_at[v] += u32::from(!chain.closed);
-                if let Some(j) = first_at[v] {
-                    let (a, b) = (root(&mut piece, i), root(&mut piece, j));
-                    piece[a.max(b)] = a.min(b);
-                } else {
-                    first_at[v] = Some(i);
+        let piece_of = |e: EdgeId| piece[self.chain_of[e]? as usize];
+        let mut contrast = vec![Vec::new(); count];
+        for e in mesh.edges() {
+            if let Some(piece) = piece_of(e) {
+                let [a, b] = mesh.ends(e).map(|v| mesh.position(v));
+                length[piece] += a.distance(b);
+                if loose[piece] && options.min_contrast > 0.0 {
+                    contrast[piece].push(crease_contrast(mesh, e));
                 }
             }
         }
-        let mut length = vec![0.0; self.chains.len()];
-        let mut loose = vec![false; self.chains.len()];
-        // The edge that closes a closed chain is counted too.
-        for (i, chain) in self.chains.iter().enumerate() {
-            let r = root(&mut piece, i);
-            if chain.kind != FeatureKind::Sharp {
-                length[r] = f64::INFINITY;
-            }
-            length[r] +=
-                chain.vertices.windows(2).map(|w| mesh.position(w[0]).distance(mesh.position(w[1]))).sum::<f64>();
-            let ends = [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]];
-            loose[r] |= !chain.closed && ends.iter().any(|&v| ends_at[v] == 1);
-        }
-        mesh.edges()
-            .filter(|&e| {
-                self.chain_of[e].is_some_and(|c| {
-                    let r = root(&mut piece, c as usize);
-                    length[r] < options.min_piece_length || (loose[r] && length[r] < options.min_loose_length)
-                })
+        // 2. Too short, or no sharper than what is around it.
+        let blurred = |values: &mut Vec<f64>| {
+            let middle = values.len() / 2;
+            !values.is_empty() && *values.select_nth_unstable_by(middle, f64::total_cmp).1 < options.min_contrast
+        };
+        let unwanted: Vec<bool> = (0..count)
+            .map(|i| {
+                let short = length[i] < options.min_piece_length;
+                short || (loose[i] && (length[i] < options.min_loose_length || blurred(&mut contrast[i])))
             })
-            .collect()
+            .collect();
+        mesh.edges().filter(|&e| piece_of(e).is_some_and(|piece| unwanted[piece])).collect()
     }
+
+    /// The connected piece of sharp chains that each chain belongs to, numbered by the smallest chain; `None` for chains
+    /// of other kinds.
+    fn sharp_pieces(&self, mesh: &TriMesh) -> Vec<Option<usize>> {
+        fn root(parent: &mut [usize], mut i: usize) -> usize {
+            while parent[i] != i {
+                parent[i] = parent[parent[i]];
+                i = parent[i];
+            }
+            i
+        }
+        let mut parent: Vec<usize> = (0..self.chains.len()).collect();
+        let mut first_at: VertexMap<Option<usize>> = VertexMap::filled(mesh.vertex_count(), None);
+        let is_sharp = |i: usize| self.chains[i].kind == FeatureKind::Sharp;
+        for (i, chain) in self.chains.iter().enumerate().filter(|&(i, _)| is_sharp(i)) {
+            for v in [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]] {
+                let j = *first_at[v].get_or_insert(i);
+                let (a, b) = (root(&mut parent, i), root(&mut parent, j));
+                parent[a.max(b)] = a.min(b);
+            }
+        }
+        let mut number = vec![None; self.chains.len()];
+        let mut count = 0;
+        for i in (0..self.chains.len()).filter(|&i| is_sharp(i)) {
+            let r = root(&mut parent, i);
+            if r == i {
+                number[i] = Some(count);
+                count += 1;
+            } else {
+                number[i] = number[r];
+            }
+        }
+        number
+    }
+
+    /// Ends of open chains of any kind at each vertex.
+    fn chain_ends(&self, mesh: &TriMesh) -> VertexMap<u32> {
+        let mut ends_at = VertexMap::filled(mesh.vertex_count(), 0);
+        for chain in self.chains.iter().filter(|c| !c.closed) {
+            for v in [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]] {
+                ends_at[v] += 1;
+            }
+        }
+        ends_at
+    }
+}
+
+/// How many times sharper an edge is than its surroundings: its dihedral angle over the mean, over its two faces, of the
+/// smaller dihedral angle of the face's other two edges.
+///
+/// A crease between smooth surfaces has 30 and more; folds of noise and of coarsely sampled bends have 1 to 7. Angles
+/// below one degree count as one degree.
+fn crease_contrast(mesh: &TriMesh, e: EdgeId) -> f64 {
+    let h = mesh.half_edge(e);
+    let least = |h: HalfEdgeId| {
+        let angle = |h: HalfEdgeId| if mesh.twin(h).is_some() { dihedral_angle(mesh, h) } else { 0.0 };
+        angle(mesh.next(h)).min(angle(mesh.prev(h)))
+    };
+    let around = match mesh.twin(h) {
+        Some(t) => 0.5 * (least(h) + least(t)),
+        None => least(h),
+    };
+    dihedral_angle(mesh, h) / around.max(1f64.to_radians())
 }
 
 /// The end of `e` that is not `v`.

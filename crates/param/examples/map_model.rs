@@ -22,7 +22,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let sharp_angle = std::env::var("SHARP").map_or(Some(35.0), |a| a.parse().ok());
         let options = FeatureOptions {
             sharp_angle,
-            min_loose_length: std::env::var("LOOSE").map_or(2.0, |x| x.parse().unwrap_or(2.0)) * edge,
+            min_loose_length: std::env::var("LOOSE").map_or(5.0, |x| x.parse().unwrap_or(5.0)) * edge,
+            min_piece_length: 4.0 * edge,
+            min_contrast: std::env::var("CONTRAST").map_or(12.0, |x| x.parse().unwrap_or(12.0)),
             ..Default::default()
         };
         let (features, _) = FeatureGraph::detect(&input, &options);
@@ -35,10 +37,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let transport = Transport::new(&mesh, &length);
         let constraints = FieldConstraints::from_features(&mesh, &transport, &length, &features);
         let field_options = FieldOptions { cancel_distance: 1.5 * edge, ..Default::default() };
-        let (field, _): (CrossField, _) =
+        let (field, field_report): (CrossField, _) =
             solve_open_field(&mesh, &transport, &length, &features, &constraints.0, &field_options, &progress)?;
         let singular = field.singularities(&mesh, &transport).len();
         let field_seconds = lap();
+        println!("{field_report:?}");
         let mut parametrizer = Parametrizer::new(&mesh, &features, &field)?;
         let collapsed = parametrizer.charts().collapsed_sectors.len();
         let size = SizeField::uniform(mesh.face_count(), edge);
@@ -105,6 +108,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .into_iter()
             .filter(|d| !matches!(d, quadloom_param::MapDefect::Inverted(_)))
             .count();
+        for v in mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)) {
+            let (cone, quarters) = (result.map.cone(&mesh, v), result.map.quarters(&mesh, v));
+            let field_index = field.index(&mesh, &transport, v);
+            if 4 - field_index != quarters {
+                println!("    {v} field index {field_index} cone {cone} quarters {quarters} valence {}", mesh.valence(v));
+            }
+        }
         if defects > 0 {
             println!("    {defects} DEFECTS, first {:?}", result.map.check(&mesh, &features)[0]);
         }

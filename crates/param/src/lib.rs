@@ -5,6 +5,7 @@
 #![warn(missing_docs)]
 
 pub mod charts;
+pub mod fans;
 pub mod integer_grid_map;
 pub mod parametrize;
 pub mod placed;

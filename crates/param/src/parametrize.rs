@@ -125,7 +125,7 @@ pub struct ParamReport {
 pub struct Parametrization {
     /// The map; valid where `inverted` is empty.
     pub map: IntegerGridMap,
-    /// Faces that are inverted or degenerate in the map, ascending.
+    /// Faces that are inverted, degenerate or around a wrongly wound singular vertex in the map, ascending.
     pub inverted: Vec<FaceId>,
     /// What was done.
     pub report: ParamReport,
@@ -194,18 +194,18 @@ impl<'a> Parametrizer<'a> {
         // 1. Integers and points together.
         let mut placed = self.solve(&gradient, options, &mut report, progress)?;
         report.seconds[1] = start.elapsed().as_secs_f64();
-        report.inverted_after_solve = placed.inverted_faces(self.mesh).len();
+        report.inverted_after_solve = placed.folded_faces(self.mesh).len();
         // 2., 3. Other points at the same integers.
         let quick = options.untangle.quick();
         report.rung = self.repair(&mut placed, &gradient, options, &quick, &mut report, progress)?;
-        let mut inverted = placed.inverted_faces(self.mesh);
+        let mut inverted = placed.folded_faces(self.mesh);
         // 4. Other integers.
         if !inverted.is_empty() {
             progress.check()?;
             let mut second = report.clone();
             if let Some(mut other) = self.separated(&gradient, options, &mut second, progress)? {
                 second.untangle = untangle(self.mesh, &mut other, &gradient, &options.untangle, progress);
-                let still = other.inverted_faces(self.mesh);
+                let still = other.folded_faces(self.mesh);
                 if let Some(separation) = &mut second.separation {
                     separation.inverted = [second.untangle.inverted_before, still.len()];
                 }
@@ -218,7 +218,7 @@ impl<'a> Parametrizer<'a> {
                 report.separation = second.separation;
                 if inverted.len() <= HOPELESS_FOLDS {
                     report.untangle = untangle(self.mesh, &mut placed, &gradient, &options.untangle, progress);
-                    inverted = placed.inverted_faces(self.mesh);
+                    inverted = placed.folded_faces(self.mesh);
                 }
             }
         }
@@ -292,10 +292,10 @@ impl<'a> Parametrizer<'a> {
                 stiffen::reweight(self.mesh, &map, gradient, &mut weight, &options.stiffen);
             }
             untangle(self.mesh, &mut map, gradient, &options.untangle.quick(), progress);
-            folds = map.inverted_faces(self.mesh);
+            folds = map.folded_faces(self.mesh);
             if !folds.is_empty() && folds.len() <= HOPELESS_FOLDS {
                 untangle(self.mesh, &mut map, gradient, &options.untangle, progress);
-                folds = map.inverted_faces(self.mesh);
+                folds = map.folded_faces(self.mesh);
             }
             if folds.is_empty() {
                 return Ok(Ok(map));

@@ -6,6 +6,7 @@
 //! Source: [Bommes2012] §6, Eq. (6.1); consistency by construction as asked for in [Ebke2013] §4.
 
 use crate::charts::Charts;
+use crate::fans::{Saddle, is_wrong};
 use crate::integer_grid_map::{GRID_UNIT, IntegerGridMap, LatticePoint, Transition, rotate};
 use quadloom_mesh::{CornerMap, EdgeMap, FaceId, HalfEdgeMap, TriConnectivity, VertexId, VertexMap};
 
@@ -20,6 +21,8 @@ pub struct PlacedMap {
     pub to_corner: CornerMap<Transition>,
     /// Transition across each half-edge.
     pub transition: HalfEdgeMap<Transition>,
+    /// Interior singular vertices with more than four quarter turns, ascending.
+    pub saddles: Vec<Saddle>,
 }
 
 /// A solution that does not close up.
@@ -84,7 +87,11 @@ impl PlacedMap {
                 return Err(PlacementError::FixedPoint(v));
             }
         }
-        Ok(Self { point, fixed, to_corner, transition })
+        // 5. Turns that triangles without inversion can still miss.
+        let is_saddle = |&(v, index): &(VertexId, i32)| index < 0 && !mesh.is_boundary_vertex(v);
+        let saddle = |&(vertex, index): &(VertexId, i32)| Saddle { vertex, quarters: 4 + index.unsigned_abs() };
+        let saddles = charts.singular.iter().filter(|s| is_saddle(s)).map(saddle).collect();
+        Ok(Self { point, fixed, to_corner, transition, saddles })
     }
 
     /// Image of a corner, grid units.
@@ -108,9 +115,15 @@ impl PlacedMap {
         IntegerGridMap { uv, transition: self.transition.clone() }
     }
 
-    /// Inverted or degenerate faces of the exact map, ascending.
-    pub fn inverted_faces(&self, mesh: &TriConnectivity) -> Vec<FaceId> {
-        self.to_lattice(mesh).inverted_faces(mesh)
+    /// Inverted or degenerate faces of the exact map and the faces around wrongly wound saddles, ascending.
+    pub fn folded_faces(&self, mesh: &TriConnectivity) -> Vec<FaceId> {
+        let mut folded = self.to_lattice(mesh).inverted_faces(mesh);
+        for &saddle in self.saddles.iter().filter(|&&s| is_wrong(mesh, self, s)) {
+            folded.extend(mesh.outgoing(saddle.vertex).map(|h| mesh.face(h)));
+        }
+        folded.sort_unstable();
+        folded.dedup();
+        folded
     }
 }
 

@@ -51,7 +51,7 @@ pub fn stiffen(
     progress: &Progress,
 ) -> StiffenReport {
     let mut weight = FaceMap::filled(mesh.face_count(), 1.0);
-    let mut best = map.inverted_faces(mesh).len();
+    let mut best = map.folded_faces(mesh).len();
     let mut report = StiffenReport { inverted_before: best, inverted_after: best, iterations: 0 };
     if best == 0 {
         return report;
@@ -71,7 +71,7 @@ pub fn stiffen(
         }
         report.iterations += 1;
         // 3. Keep the best.
-        let inverted = trial.inverted_faces(mesh).len();
+        let inverted = trial.folded_faces(mesh).len();
         let improved = 4 * inverted <= 3 * best;
         if inverted < best {
             best = inverted;

@@ -6,6 +6,7 @@
 //! Source: [Garanzha2021] §3: the energy tr(JᵀJ)/χ + λ(det²+1)/χ with a regularised denominator χ(det, ε),
 //! ε lowered between minimisations; here by Newton steps with projected Hessians on growing neighbourhoods.
 
+use crate::fans::{Saddle, is_wrong, unfolded};
 use crate::placed::{PlacedMap, turn};
 use crate::problem::{FaceGradient, jacobian};
 use quadloom_mesh::{FaceId, FaceMap, Progress, TriConnectivity, VertexId};
@@ -60,7 +61,7 @@ pub fn untangle(
     options: &UntangleOptions,
     progress: &Progress,
 ) -> UntangleReport {
-    let mut inverted = map.inverted_faces(mesh);
+    let mut inverted = map.folded_faces(mesh);
     let mut report = UntangleReport { inverted_before: inverted.len(), ..Default::default() };
     for &rings in &options.rings {
         if inverted.is_empty() || progress.cancelled() {
@@ -73,7 +74,7 @@ pub fn untangle(
             report.regions += 1;
             report.steps += untangle_region(mesh, map, gradient, &region, options, progress);
         }
-        inverted = map.inverted_faces(mesh);
+        inverted = map.folded_faces(mesh);
     }
     report.inverted_after = inverted.len();
     report
@@ -128,7 +129,7 @@ fn regions(mesh: &TriConnectivity, seeds: &[FaceId], rings: u32) -> Vec<Vec<Face
     groups
 }
 
-/// Minimises the regularised energy of a region with its rim held; keeps the result only if it has fewer folds.
+/// Minimises the regularised energy of a region with its rim held; keeps the result only if it has no more folds.
 fn untangle_region(
     mesh: &TriConnectivity,
     map: &mut PlacedMap,
@@ -137,12 +138,64 @@ fn untangle_region(
     options: &UntangleOptions,
     progress: &Progress,
 ) -> u32 {
-    let problem = Region::new(mesh, map, gradient, region);
+    let whole = Region::new(mesh, map, gradient, region, &[]);
+    if whole.unknowns == 0 {
+        return 0;
+    }
+    let before: Vec<[f64; 2]> = whole.vertices.iter().map(|&v| map.point[v]).collect();
+    let folds_before = whole.folds(mesh, map);
+    let mut steps = 0;
+    // 1. Fans that are folded or wound wrongly are laid out and held while the rest gives way.
+    let (centres, held) = lay_out_fans(mesh, map, gradient, &whole);
+    if !centres.is_empty() {
+        let is_rest = |f: &FaceId| !mesh.face_vertices(*f).iter().any(|v| centres.contains(v));
+        let rest: Vec<FaceId> = region.iter().copied().filter(is_rest).collect();
+        steps += descend(&Region::new(mesh, map, gradient, &rest, &held), map, options, progress);
+    }
+    // 2. Everything.
+    steps += descend(&whole, map, options, progress);
+    if whole.folds(mesh, map) > folds_before {
+        for (&v, p) in whole.vertices.iter().zip(before) {
+            map.point[v] = p;
+        }
+    }
+    steps
+}
+
+/// Places the neighbours of the saddles that need it; returns these saddles and their neighbours.
+fn lay_out_fans(
+    mesh: &TriConnectivity,
+    map: &mut PlacedMap,
+    gradient: &FaceMap<FaceGradient>,
+    region: &Region,
+) -> (Vec<VertexId>, Vec<VertexId>) {
+    let moves = |v: VertexId| region.vertices.binary_search(&v).is_ok();
+    let (mut centres, mut held) = (Vec::new(), Vec::new());
+    for saddle in map.saddles.clone() {
+        let fan: Vec<FaceId> = mesh.outgoing(saddle.vertex).map(|h| mesh.face(h)).collect();
+        let inside = fan.iter().all(|f| region.faces.binary_search(f).is_ok());
+        if !inside || !mesh.neighbours(saddle.vertex).all(|w| moves(w) && !held.contains(&w) && !centres.contains(&w)) {
+            continue;
+        }
+        let folded = is_wrong(mesh, map, saddle)
+            || fan.iter().any(|&f| determinant(jacobian(&gradient[f], map.face(mesh, f))) <= 0.0);
+        if let Some(places) = folded.then(|| unfolded(mesh, map, gradient, saddle)).flatten() {
+            centres.push(saddle.vertex);
+            for (w, p) in places {
+                map.point[w] = p;
+                held.push(w);
+            }
+        }
+    }
+    held.sort_unstable();
+    (centres, held)
+}
+
+/// Newton steps with ε lowered in between, until nothing is inverted or nothing improves.
+fn descend(problem: &Region, map: &mut PlacedMap, options: &UntangleOptions, progress: &Progress) -> u32 {
     if problem.unknowns == 0 {
         return 0;
     }
-    let before: Vec<[f64; 2]> = problem.vertices.iter().map(|&v| map.point[v]).collect();
-    let inverted_before = problem.inverted(mesh, map);
     let mut steps = 0;
     let mut settled = 0;
     let mut epsilon = problem.first_epsilon(map);
@@ -171,11 +224,6 @@ fn untangle_region(
             break;
         }
         epsilon = problem.next_epsilon(map, epsilon, old, new);
-    }
-    if problem.inverted(mesh, map) > inverted_before {
-        for (&v, p) in problem.vertices.iter().zip(before) {
-            map.point[v] = p;
-        }
     }
     steps
 }
@@ -213,13 +261,20 @@ struct Corner {
 }
 
 impl<'a> Region<'a> {
-    fn new(mesh: &TriConnectivity, map: &PlacedMap, gradient: &'a FaceMap<FaceGradient>, region: &[FaceId]) -> Self {
+    /// # Input      region: ascending; held: vertices that stay besides those of the rim, ascending
+    fn new(
+        mesh: &TriConnectivity,
+        map: &PlacedMap,
+        gradient: &'a FaceMap<FaceGradient>,
+        region: &[FaceId],
+        held: &[VertexId],
+    ) -> Self {
         let mut inside: Vec<VertexId> = region.iter().flat_map(|&f| mesh.face_vertices(f)).collect();
         inside.sort_unstable();
         inside.dedup();
         // A vertex may move if all its faces are in the region.
         let holds = |f: FaceId| region.binary_search(&f).is_ok();
-        inside.retain(|&v| mesh.outgoing(v).all(|h| holds(mesh.face(h))));
+        inside.retain(|&v| held.binary_search(&v).is_err() && mesh.outgoing(v).all(|h| holds(mesh.face(h))));
         let mut unknowns = 0;
         let unknown_of: Vec<[Option<u32>; 2]> = inside
             .iter()
@@ -247,17 +302,18 @@ impl<'a> Region<'a> {
         Self { gradient, faces: region.to_vec(), corners, vertices: inside, unknown_of, unknowns }
     }
 
-    fn inverted(&self, mesh: &TriConnectivity, map: &PlacedMap) -> usize {
+    /// Inverted faces of the exact map, and wrongly wound saddles.
+    fn folds(&self, mesh: &TriConnectivity, map: &PlacedMap) -> usize {
         let unit = crate::integer_grid_map::GRID_UNIT as f64;
-        self.faces
-            .iter()
-            .filter(|&&f| {
-                let [a, b, c] = mesh
-                    .face_half_edges(f)
-                    .map(|h| map.to_corner[h].apply(map.point[mesh.origin(h)].map(|x| (x * unit).round() as i64)));
-                crate::integer_grid_map::signed_area(a, b, c) <= 0
-            })
-            .count()
+        let is_inverted = |f: &&FaceId| {
+            let [a, b, c] = mesh
+                .face_half_edges(**f)
+                .map(|h| map.to_corner[h].apply(map.point[mesh.origin(h)].map(|x| (x * unit).round() as i64)));
+            crate::integer_grid_map::signed_area(a, b, c) <= 0
+        };
+        let is_here = |v: VertexId| mesh.outgoing(v).any(|h| self.faces.binary_search(&mesh.face(h)).is_ok());
+        let is_wound_wrongly = |s: &&Saddle| is_here(s.vertex) && is_wrong(mesh, map, **s);
+        self.faces.iter().filter(is_inverted).count() + map.saddles.iter().filter(is_wound_wrongly).count()
     }
 
     fn jacobian(&self, map: &PlacedMap, i: usize) -> [[f64; 2]; 2] {

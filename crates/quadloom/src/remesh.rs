@@ -169,7 +169,12 @@ fn requests<'a>(
             quads,
             features: FeatureRequest { sharp_angle: options.sharp_angle, ..FeatureRequest::default() },
             field: None,
-            sizes: SizeRequest { adaptivity: options.adaptivity, anisotropy: options.anisotropy, density: None },
+            sizes: SizeRequest {
+                adaptivity: options.adaptivity,
+                adapt_to: options.adapt_to,
+                anisotropy: options.anisotropy,
+                density: None,
+            },
             singularities: Vec::new(),
         })
         .collect();
@@ -304,7 +309,7 @@ fn feature_warnings(parts: &[Part], named: bool) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let dropped = sum(|p| p.features.dropped_edges);
     if dropped > 0 {
-        let message = format!("{dropped} sharp edges in loose pieces shorter than two quads were not kept");
+        let message = format!("{dropped} sharp edges in pieces that are short, or no sharper than the surface around them, were not kept");
         warnings.push(Warning::new(WarningCode::LooseFeaturesDropped, message));
     }
     let lost = sum(|p| p.features.graph.chains.len()) - parts.iter().map(chains_kept).sum::<usize>();
