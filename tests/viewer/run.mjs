@@ -1,14 +1,14 @@
 // Opens a page of the viewer in headless Chromium and works with it: layers, views, keys, orbit, comparison.
 //
-//     cargo run --release -p quadloom --example demo_view -- demo.html
 //     npm install --no-save playwright-core
-//     node tests/viewer/run.mjs demo.html [folder for the pictures]
+//     cargo xtask viewer                     a page that the command makes
+//     node tests/viewer/run.mjs [page.html [folder for the pictures]]
 //
 // Exits 0 when everything holds, 1 when a check fails; 0 with a line `skipped: …` without Chromium or
 // playwright-core. Without a page it builds the demo with cargo. CHROMIUM names another browser, and
-// PLAYWRIGHT_CORE the folder of the package where it is not installed beside the repository.
+// PLAYWRIGHT_CORE the folder of the package where it is installed neither beside the repository nor globally.
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, mkdtempSync, realpathSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
@@ -32,6 +32,12 @@ function findPlaywright() {
     } catch (error) {
       if (error.code !== 'MODULE_NOT_FOUND') throw error;
     }
+  }
+  // Packages that were installed globally are beside npm itself.
+  try {
+    return createRequire(join(dirname(realpathSync(process.execPath)), '../lib/node_modules/x'))('playwright-core');
+  } catch (error) {
+    if (error.code !== 'MODULE_NOT_FOUND') throw error;
   }
   return skip('the npm package playwright-core is not installed');
 }

@@ -4,6 +4,7 @@
 mod checks;
 mod eval;
 mod shell;
+mod viewer;
 
 use std::process::ExitCode;
 
@@ -15,6 +16,7 @@ checks      fmt        formatting is rustfmt's
             citations  every [Key] cited in sources and documents is in docs/bibliography.bib
             paths      no absolute path of a machine is in the repository
             docs       documentation builds without a warning
+            viewer     a page of the command works in Chromium (skipped without node, chromium or playwright-core)
             test       cargo test --workspace
             ci         all of them, in this order
 evaluations eval SUITE [--only A,B] [--jobs N] [--binary FILE] [--models DIR] [--timeout SECONDS]
@@ -29,8 +31,9 @@ fn main() -> ExitCode {
         ["citations"] => checks::citations(),
         ["paths"] => checks::paths(),
         ["docs"] => checks::docs(),
+        ["viewer"] => viewer::test(),
         ["test"] => shell::cargo(&["test", "--workspace"]),
-        ["ci"] => ["fmt", "citations", "paths", "clippy", "docs", "test"]
+        ["ci"] => ["fmt", "citations", "paths", "clippy", "docs", "viewer", "test"]
             .iter()
             .try_for_each(|recipe| shell::cargo(&["xtask", recipe])),
         ["eval", suite, ..] => eval::run(suite, &args[2..]),

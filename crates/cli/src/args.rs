@@ -67,9 +67,12 @@ pub struct RemeshArgs {
     /// How far the count may be off, percent
     #[arg(long, value_name = "PERCENT", default_value_t = 10.0, help_heading = "Size")]
     pub tolerance: f64,
-    /// How strongly sizes follow curvature, 0 to 1
+    /// How strongly sizes vary over the surface, 0 to 1
     #[arg(long, value_name = "A", default_value_t = 0.0, help_heading = "Size")]
     pub adaptivity: f64,
+    /// What they follow
+    #[arg(long, value_enum, default_value_t = AdaptToArg::Curvature, help_heading = "Size")]
+    pub adapt_to: AdaptToArg,
     /// How strongly quads stretch where the surface is straight, 0 to 1
     #[arg(long, value_name = "A", default_value_t = 0.0, help_heading = "Size")]
     pub anisotropy: f64,
@@ -236,6 +239,15 @@ pub enum ProgressArg {
     Json,
     /// Nothing
     None,
+}
+
+/// What sizes follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AdaptToArg {
+    /// Small quads where the surface bends
+    Curvature,
+    /// Small quads where the surface is thin or near to other parts of itself
+    FeatureSize,
 }
 
 /// How integers are found.

@@ -108,7 +108,7 @@ pub(crate) struct Saved {
 }
 
 /// (L·Lᵀ)⁻¹ = L⁻ᵀ·L⁻¹, only one triangle of which is computed.
-fn inverse_from_factor(factor: &Mat<f64>) -> Vec<f64> {
+pub(crate) fn inverse_from_factor(factor: &Mat<f64>) -> Vec<f64> {
     let k = factor.nrows();
     let mut inverse_factor = Mat::<f64>::zeros(k, k);
     faer::linalg::triangular_inverse::invert_lower_triangular(inverse_factor.as_mut(), factor.as_ref(), Par::Seq);

@@ -19,6 +19,7 @@
 #[cfg(doctest)]
 pub struct ReadmeDoctests;
 
+mod bounded;
 pub mod cholesky;
 mod conditional;
 pub mod constraints;
@@ -32,6 +33,7 @@ mod rounding;
 pub mod solver;
 pub mod sparse;
 
+pub use bounded::LowerBound;
 pub use cholesky::{CholeskyError, SINGULAR_PIVOT, SparseCholesky};
 pub use constraints::{Constraints, Row};
 pub use elimination::{Elimination, Expression};
@@ -40,7 +42,7 @@ pub use exact::{Branching, ExactOptions, ExactReport, Selection};
 pub use ladder::LadderOptions;
 pub use quadratic::{Quadratic, Square};
 pub use solver::{
-    DENSE_LIMIT, MixedIntegerProblem, Rounding, SCHUR_LIMIT, Solution, SolveOptions, SolveReport, Solver, StageSeconds,
-    Updates, solve,
+    DENSE_LIMIT, IntegerProblem, MixedIntegerProblem, Rounding, SCHUR_LIMIT, Solution, SolveOptions, SolveReport,
+    Solver, StageSeconds, Updates, solve,
 };
 pub use sparse::{SparseSymmetric, Triplet};

@@ -49,7 +49,7 @@ impl Substitution {
         substitution
     }
 
-    fn expression(&self, i: usize) -> (&[(u32, f64)], f64) {
+    pub fn expression(&self, i: usize) -> (&[(u32, f64)], f64) {
         (&self.terms[self.starts[i]..self.starts[i + 1]], self.constants[i])
     }
 }

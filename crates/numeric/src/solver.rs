@@ -8,8 +8,9 @@
 
 use std::time::Instant;
 
+use crate::bounded::{LowerBound, round_bounded};
 use crate::cholesky::{CholeskyError, SparseCholesky};
-use crate::conditional::Conditional;
+use crate::conditional::{Conditional, inverse_from_factor};
 use crate::constraints::Constraints;
 use crate::elimination::Elimination;
 use crate::error::{Failure, SolveError};
@@ -477,7 +478,7 @@ impl Stage<'_> {
         self.report.seconds.round = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let shift: Vec<f64> = values.iter().zip(&relaxed).map(|(value, z)| value - z).collect();
-        self.follow_integers(cholesky, &factor, &shift, &mut y);
+        follow_integers(cholesky, self.integers, &factor, &shift, &mut y);
         self.integers.iter().zip(&values).for_each(|(&i, &value)| y[i as usize] = value);
         self.report.seconds.finish = clock.elapsed().as_secs_f64();
         Ok(y)
@@ -504,19 +505,6 @@ impl Stage<'_> {
             greedy_energy: relaxed_energy + greedy_cost,
         });
         Ok(proof.values)
-    }
-
-    /// Step 3: with S = L·Lᵀ, adding S·shift to the integers' right-hand side moves them by `shift` and
-    /// all others to their optimum: one back-solve.
-    fn follow_integers(&self, cholesky: &SparseCholesky, factor: &faer::Mat<f64>, shift: &[f64], y: &mut [f64]) {
-        let k = shift.len();
-        let transposed: Vec<f64> = (0..k).map(|j| (j..k).map(|i| factor[(i, j)] * shift[i]).sum()).collect();
-        let mut move_all = vec![0.0; y.len()];
-        for (i, &at) in self.integers.iter().enumerate() {
-            move_all[at as usize] = (0..=i).map(|j| factor[(i, j)] * transposed[j]).sum();
-        }
-        cholesky.solve(&mut move_all);
-        y.iter_mut().zip(&move_all).for_each(|(value, step)| *value += step);
     }
 
     /// Steps 2 and 3 by the ladder; the last step is always an exact solve.
@@ -556,6 +544,122 @@ impl Stage<'_> {
     fn count(&mut self, counts: RoundingCounts) {
         self.report.roundings = counts.roundings;
         self.report.rounds = counts.rounds;
+    }
+}
+
+/// With S = L·Lᵀ, adding S·shift to the integers' right-hand side moves them by `shift` and all others to their optimum:
+/// one back-solve.
+fn follow_integers(cholesky: &SparseCholesky, integers: &[u32], factor: &faer::Mat<f64>, shift: &[f64], y: &mut [f64]) {
+    let k = shift.len();
+    let transposed: Vec<f64> = (0..k).map(|j| (j..k).map(|i| factor[(i, j)] * shift[i]).sum()).collect();
+    let mut move_all = vec![0.0; y.len()];
+    for (i, &at) in integers.iter().enumerate() {
+        move_all[at as usize] = (0..=i).map(|j| factor[(i, j)] * transposed[j]).sum();
+    }
+    cholesky.solve(&mut move_all);
+    y.iter_mut().zip(&move_all).for_each(|(value, step)| *value += step);
+}
+
+/// The free integers of one energy, with everything else at its optimum: for roundings under changing bounds.
+#[derive(Debug)]
+pub struct IntegerProblem<'a> {
+    solver: &'a Solver,
+    substitution: Substitution,
+    cholesky: SparseCholesky,
+    /// Place of each free integer among the active variables, ascending.
+    integers: Vec<u32>,
+    /// Number of each active variable among the integers.
+    number: Vec<Option<u32>>,
+    /// Lower factor of the Schur complement.
+    factor: faer::Mat<f64>,
+    covariance: Vec<f64>,
+    relaxed: Vec<f64>,
+    y: Vec<f64>,
+}
+
+impl Solver {
+    /// The relaxed problem, reduced to its free integers.
+    ///
+    /// # Errors  as [`Solver::solve`]; more integers than [`DENSE_LIMIT`]
+    /// # Cost    one factorisation and k³ for k integers
+    pub fn integer_problem(
+        &mut self,
+        quadratic: &Quadratic,
+        options: &SolveOptions,
+    ) -> Result<IntegerProblem<'_>, SolveError> {
+        quadratic.check()?;
+        let given = vec![None; self.elimination.free().len()];
+        let substitution = Substitution::new(&self.elimination, &given);
+        let system = reduce(quadratic, &substitution);
+        let integers = self.active_integers(&substitution, Rounding::Greedy);
+        if integers.len() > DENSE_LIMIT {
+            return Err(SolveError::TooManyIntegers { integers: integers.len(), limit: DENSE_LIMIT });
+        }
+        let mut report = SolveReport::default();
+        let mut stage = Stage { system: &system, integers: &integers, options, report: &mut report };
+        let (mut analysis, _) = self.take_analysis(&system.matrix, &integers, &mut stage)?;
+        let y = stage.relax(&mut analysis.cholesky).map_err(|failure| self.name_variable(failure, &substitution))?;
+        let factor = analysis.cholesky.trailing_block();
+        let relaxed: Vec<f64> = integers.iter().map(|&i| y[i as usize]).collect();
+        let covariance = inverse_from_factor(&factor);
+        let mut number = vec![None; y.len()];
+        integers.iter().zip(0..).for_each(|(&at, k)| number[at as usize] = Some(k));
+        let cholesky = analysis.cholesky;
+        Ok(IntegerProblem { solver: self, substitution, cholesky, integers, number, factor, covariance, relaxed, y })
+    }
+}
+
+impl IntegerProblem<'_> {
+    /// Number of free integers.
+    pub fn len(&self) -> usize {
+        self.integers.len()
+    }
+
+    /// Whether there is nothing to round.
+    pub fn is_empty(&self) -> bool {
+        self.integers.is_empty()
+    }
+
+    /// A sum of variables as a sum over the free integers and a constant; `None` where continuous variables remain.
+    pub fn over_integers(&self, terms: impl Iterator<Item = (usize, f64)>) -> Option<(Vec<(u32, f64)>, f64)> {
+        let (mut sum, mut constant) = (std::collections::BTreeMap::<u32, f64>::new(), 0.0);
+        for (variable, c) in terms {
+            let (expression, offset) = self.substitution.expression(variable);
+            constant += c * offset;
+            for &(at, factor) in expression {
+                // Continuous ones may cancel, so they are only looked for at the end.
+                *sum.entry(at).or_insert(0.0) += c * factor;
+            }
+        }
+        let left = sum.into_iter().filter(|t| t.1.abs() > 1e-12);
+        let over: Option<Vec<(u32, f64)>> = left.map(|(at, c)| Some((self.number[at as usize]?, c))).collect();
+        Some((over?, constant))
+    }
+
+    /// Greedy rounding under lower bounds.
+    ///
+    /// # Input      bounds: over the free integers, as from [`IntegerProblem::over_integers`]
+    /// # Output     the free integers, and the bounds that they miss, ascending
+    /// # Errors     cancellation
+    /// # Cost       k³ for k integers
+    /// # Guarantees integers; not that all bounds are met
+    pub fn round(&self, bounds: &[LowerBound], options: &SolveOptions) -> Result<(Vec<f64>, Vec<usize>), SolveError> {
+        let cancelled = || options.cancelled.is_some_and(|cancelled| cancelled());
+        round_bounded(self.covariance.clone(), &self.relaxed, bounds, &cancelled).ok_or(SolveError::Cancelled)
+    }
+
+    /// All variables at the optimum for given values of the free integers.
+    ///
+    /// # Errors  integer variables that do not come out as integers
+    pub fn complete(&self, values: &[f64]) -> Result<Vec<f64>, SolveError> {
+        let mut y = self.y.clone();
+        let shift: Vec<f64> = values.iter().zip(&self.relaxed).map(|(value, z)| value - z).collect();
+        follow_integers(&self.cholesky, &self.integers, &self.factor, &shift, &mut y);
+        self.integers.iter().zip(values).for_each(|(&i, &value)| y[i as usize] = value);
+        let given = vec![None; self.substitution.active.len()];
+        let mut x = self.solver.expand(&self.substitution, &given, &y);
+        self.solver.snap_integers(&mut x)?;
+        Ok(x)
     }
 }
 

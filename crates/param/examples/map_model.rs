@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let length = metric::edge_lengths(&mesh);
         let transport = Transport::new(&mesh, &length);
         let constraints = FieldConstraints::from_features(&mesh, &transport, &length, &features);
-        let field_options = FieldOptions { cancel_distance: 1.5 * edge, ..Default::default() };
+        let field_options = FieldOptions { cancel_distance: 1.5 * edge, crowding_cost: std::env::var("CROWD").map_or(0.5, |x| x.parse().unwrap_or(0.5)), ..Default::default() };
         let (field, field_report): (CrossField, _) =
             solve_open_field(&mesh, &transport, &length, &features, &constraints.0, &field_options, &progress)?;
         let singular = field.singularities(&mesh, &transport).len();
@@ -112,7 +112,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let (cone, quarters) = (result.map.cone(&mesh, v), result.map.quarters(&mesh, v));
             let field_index = field.index(&mesh, &transport, v);
             if 4 - field_index != quarters {
-                println!("    {v} field index {field_index} cone {cone} quarters {quarters} valence {}", mesh.valence(v));
+                println!(
+                    "    {v} field index {field_index} cone {cone} quarters {quarters} valence {}",
+                    mesh.valence(v)
+                );
             }
         }
         if defects > 0 {

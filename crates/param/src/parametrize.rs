@@ -9,16 +9,15 @@ use crate::charts::Charts;
 use crate::integer_grid_map::{GRID_UNIT, IntegerGridMap};
 use crate::placed::{PlacedMap, PlacementError};
 use crate::problem::{
-    EnergyOptions, FaceGradient, MapConstraints, face_gradients, jacobian, map_constraints, orientation_energy,
-    variable_count,
+    EnergyOptions, FaceGradient, face_gradients, jacobian, map_constraints, orientation_energy, variable_count,
 };
-use crate::quantise::{Separation, SeparationOptions, SeparationReport, separate};
+use crate::quantise::{SeparationOptions, SeparationReport, separate};
 use crate::stiffen::{self, PlacedSolver, StiffenOptions, StiffenReport, stiffen};
 use crate::tmesh::trace;
 use crate::untangle::{UntangleOptions, UntangleReport, untangle};
 use quadloom_field::{CrossField, SizeField, Transport};
 use quadloom_mesh::{Cancelled, EdgeMap, FaceId, FaceMap, FeatureGraph, Progress, TriMesh, metric};
-use quadloom_numeric::{Constraints, Rounding, SolveError, SolveOptions, Solver};
+use quadloom_numeric::{Rounding, SolveError, SolveOptions, Solver};
 use std::time::Instant;
 
 /// How the map is made.
@@ -138,7 +137,6 @@ pub struct Parametrizer<'a> {
     field: &'a CrossField,
     length: EdgeMap<f64>,
     charts: Charts,
-    constraints: MapConstraints,
     solver: Solver,
     setup_seconds: f64,
 }
@@ -161,7 +159,7 @@ impl<'a> Parametrizer<'a> {
             return Err(ParamError::TooDense { entries });
         }
         let setup_seconds = start.elapsed().as_secs_f64();
-        Ok(Self { mesh, features, field, length, charts, constraints, solver, setup_seconds })
+        Ok(Self { mesh, features, field, length, charts, solver, setup_seconds })
     }
 
     /// The seams and the combed field.
@@ -333,23 +331,15 @@ impl<'a> Parametrizer<'a> {
         };
         // 3. Integers.
         let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, 1.0);
-        let first_extra = self.constraints.origin.len();
-        let (found, separation) = separate(&tmesh, &options.separation, |rows| {
-            let constraints = with_rows(&self.constraints.rows, rows, first_extra);
-            let named = |error| match error {
-                SolveError::Contradiction { rows, .. } | SolveError::NoIntegerSolution { rows, .. } => {
-                    rows.into_iter().filter(|&r| r >= first_extra).map(|r| r - first_extra).collect()
-                }
-                _ => Vec::new(),
-            };
-            let mut solver =
-                Solver::new(variable_count(&self.charts), &constraints, &self.constraints.integers).map_err(named)?;
-            let greedy = SolveOptions::default();
-            solver.solve(&energy, &greedy).map(|s| s.x).map_err(named)
-        });
+        let cancelled = || progress.cancelled();
+        let solve_options = SolveOptions { cancelled: Some(&cancelled), ..SolveOptions::default() };
+        let failed = |e| solve_error(e, progress);
+        let problem = self.solver.integer_problem(&energy, &solve_options).map_err(failed)?;
+        let (found, separation) = separate(&tmesh, &options.separation, &problem, &solve_options).map_err(failed)?;
         report.separation = Some(separation);
         progress.check()?;
-        let Some(x) = found else { return Ok(None) };
+        let Some(z) = found else { return Ok(None) };
+        let x = problem.complete(&z).map_err(failed)?;
         let mut map = PlacedMap::new(self.mesh, &self.charts, &x, GRID_UNIT).map_err(ParamError::Placement)?;
         self.follow(&mut map, &seamless, gradient);
         Ok(Some(map))
@@ -400,15 +390,6 @@ impl Parametrizer<'_> {
         let isotropic = EnergyOptions { anisotropy: 1.0 };
         PlacedSolver::new(self.mesh, map).approach(self.mesh, map, gradient, &weight, &isotropic, |f| target[f]);
     }
-}
-
-fn with_rows(base: &Constraints, rows: &[Separation], first: usize) -> Constraints {
-    let mut all = base.clone();
-    for (i, row) in rows.iter().enumerate() {
-        let terms: Vec<(usize, f64)> = row.form.iter().map(|&(k, c)| (k as usize, f64::from(c))).collect();
-        all.add(&terms, row.value, first + i);
-    }
-    all
 }
 
 fn solve_error(error: SolveError, progress: &Progress) -> ParamError {

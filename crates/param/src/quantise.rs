@@ -1,26 +1,21 @@
 //! Separation: integers under which no arc of the motorcycle graph is reversed and no two fixed places coincide.
 //!
-//! In: the arcs of a fold-free seamless map and a solver for the map's integers with extra rows. Out: integers
-//! that admit a fold-free map, or the reason why none was found. Holds on success: every arc is non-negative, no
+//! In: the arcs of a fold-free seamless map and the map's integers with their energy. Out: integers that admit a
+//! fold-free map, or the number of conditions that could not be met. Holds on success: every arc is non-negative, no
 //! path of zero arcs joins two integer vertices or features.
-//! Source: the validity conditions of [Campen2015] §4, imposed lazily as rows of the problem of [Bommes2012] §8.4.
+//! Source: the validity conditions of [Campen2015] §4, as rows of the problem of [Bommes2012] §8.4: lengths of arcs are
+//! at least 0, and a path found to have collapsed is at least 1 long, which for arcs that are not negative is the same
+//! as one of them being so.
 
-use crate::tmesh::{Arc, Form, TMesh, evaluate};
+use crate::tmesh::{Arc, Form, TMesh};
 use quadloom_mesh::FaceId;
-
-/// One row that was added: a length that is prescribed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Separation {
-    /// The length's linear form.
-    pub form: Form,
-    /// Its prescribed value, grid units.
-    pub value: f64,
-}
+use quadloom_numeric::{IntegerProblem, LowerBound, SolveError, SolveOptions};
+use std::collections::BTreeMap;
 
 /// How long separation goes on.
 #[derive(Clone, Debug)]
 pub struct SeparationOptions {
-    /// Most solves. Default 40; each adds every arc found wrong so far, and few maps need more than ten.
+    /// Most roundings. Default 40; each adds the paths that collapsed so far, and few maps need more than ten.
     pub rounds: u32,
 }
 
@@ -35,11 +30,11 @@ impl Default for SeparationOptions {
 pub struct SeparationReport {
     /// Arcs of the motorcycle graph.
     pub arcs: usize,
-    /// Solves.
+    /// Roundings.
     pub rounds: u32,
-    /// Lengths that were prescribed in the end.
+    /// Paths that were kept from collapsing in the end.
     pub prescribed: usize,
-    /// Arcs still wrong after the last solve.
+    /// Conditions that the last rounding missed.
     pub violated: usize,
     /// Inverted faces of the map at the separated integers, before and after untangling.
     pub inverted: [usize; 2],
@@ -49,86 +44,125 @@ pub struct SeparationReport {
     pub seamless_inverted_faces: Vec<FaceId>,
 }
 
-/// Coefficients of all prescribed rows beyond which elimination would fill the system.
-const MOST_ROW_TERMS: usize = 6_000;
-
-/// Solves again and again, each time prescribing the lengths that came out wrong.
+/// Quads by which a missed row is to be longer in the next round.
 ///
-/// # Input      `solve`: integers of the map under extra rows; `Err` lists rows (by number) that exclude each other
-/// # Output     the solution, if all conditions hold, and the report
+/// Smaller: more rounds. Larger: quads are stretched where half a quad would have been enough.
+const MARGIN_STEP: f64 = 0.5;
+
+/// A row that is missed with this margin, in quads, is not a matter of rounding.
+const LARGEST_MARGIN: f64 = 3.0;
+
+/// Lengths of arcs over the free integers.
+struct Lengths {
+    /// Per arc its sum and constant; `None` where its length is not a matter of integers alone.
+    of_arc: Vec<Option<(Vec<(u32, f64)>, f64)>>,
+}
+
+impl Lengths {
+    fn new(tmesh: &TMesh, problem: &IntegerProblem) -> Self {
+        let over = |form: &Form| problem.over_integers(form.iter().map(|&(i, c)| (i as usize, f64::from(c))));
+        Self { of_arc: tmesh.arcs.iter().map(|arc| over(&arc.form)).collect() }
+    }
+
+    fn values(&self, z: &[f64]) -> Vec<f64> {
+        let value = |(terms, constant): &(Vec<(u32, f64)>, f64)| {
+            (terms.iter().map(|&(i, c)| c * z[i as usize]).sum::<f64>() + constant).round()
+        };
+        self.of_arc.iter().map(|arc| arc.as_ref().map_or(f64::INFINITY, value)).collect()
+    }
+
+    /// The sum of some arcs is to be at least `least`; `None` where no choice of integers changes it.
+    fn bound(&self, arcs: &[usize], least: f64) -> Option<LowerBound> {
+        let (mut sum, mut constant) = (BTreeMap::<u32, f64>::new(), 0.0);
+        for &i in arcs {
+            let (terms, c) = self.of_arc[i].as_ref()?;
+            constant += c;
+            terms.iter().for_each(|&(k, c)| *sum.entry(k).or_insert(0.0) += c);
+        }
+        let terms: Vec<(u32, f64)> = sum.into_iter().filter(|t| t.1.abs() > 1e-9).collect();
+        (!terms.is_empty()).then_some(LowerBound { terms, least: least - constant })
+    }
+}
+
+/// Rounds again and again, each time keeping the paths apart that collapsed before.
+///
+/// # Output     the free integers, if all conditions hold, and the report
+/// # Errors     cancellation
+/// # Cost       k³ per round for k integers
 pub fn separate(
     tmesh: &TMesh,
     options: &SeparationOptions,
-    mut solve: impl FnMut(&[Separation]) -> Result<Vec<f64>, Vec<usize>>,
-) -> (Option<Vec<f64>>, SeparationReport) {
-    let mut rows: Vec<Separation> = Vec::new();
+    problem: &IntegerProblem,
+    solve: &SolveOptions,
+) -> Result<(Option<Vec<f64>>, SeparationReport), SolveError> {
     let mut report = SeparationReport { arcs: tmesh.arcs.len(), ..Default::default() };
-    while report.rounds < options.rounds {
-        if rows.iter().map(|r| r.form.len()).sum::<usize>() > MOST_ROW_TERMS {
-            break;
+    // 1. No arc is reversed; equal lengths are one row.
+    let lengths = Lengths::new(tmesh, problem);
+    let mut rows: Vec<LowerBound> = (0..tmesh.arcs.len()).filter_map(|i| lengths.bound(&[i], 0.0)).collect();
+    let key = |row: &LowerBound| row.terms.iter().map(|t| (t.0, t.1.to_bits())).collect::<Vec<_>>();
+    rows.sort_by_cached_key(key);
+    rows.dedup_by(|b, a| {
+        a.terms == b.terms && {
+            a.least = a.least.max(b.least);
+            true
         }
+    });
+    let first = rows.len();
+    let mut margin = vec![0.0; first];
+    // 2. No path between places that must differ collapses.
+    while report.rounds < options.rounds {
         report.rounds += 1;
-        report.prescribed = rows.len();
-        let x = match solve(&rows) {
-            Ok(x) => x,
-            Err(mut excluded) => {
-                // Give up the latest row of the contradiction; the others stay.
-                excluded.sort_unstable();
-                match excluded.pop().filter(|&r| r < rows.len()) {
-                    Some(last) => {
-                        rows.remove(last);
-                        continue;
-                    }
-                    None => return (None, report),
-                }
+        report.prescribed = rows.len() - first;
+        let wanted: Vec<LowerBound> =
+            rows.iter().zip(&margin).map(|(r, m)| LowerBound { least: r.least + m, ..r.clone() }).collect();
+        let (z, _) = problem.round(&wanted, solve)?;
+        // 3. Rows that rounding misses get a margin; without it the same integers would come again.
+        let missed: Vec<usize> = (0..rows.len()).filter(|&r| rows[r].is_missed(&z)).collect();
+        report.violated = missed.len();
+        if !missed.is_empty() {
+            if missed.iter().all(|&r| margin[r] >= LARGEST_MARGIN) {
+                break;
             }
-        };
-        let wrong = violations(tmesh, &x);
-        report.violated = wrong.len();
-        if wrong.is_empty() {
-            return (Some(x), report);
+            missed.into_iter().for_each(|r| margin[r] += MARGIN_STEP);
+            continue;
+        }
+        let collapsed = collapsed_paths(tmesh, &lengths.values(&z));
+        report.violated = collapsed.len();
+        if collapsed.is_empty() {
+            return Ok((Some(z), report));
         }
         let before = rows.len();
-        for row in wrong {
-            match rows.iter_mut().find(|r| r.form == row.form) {
-                Some(known) if known.value < row.value => known.value = row.value,
-                Some(_) => {}
-                None => rows.push(row),
+        for row in collapsed.iter().filter_map(|path| lengths.bound(path, 1.0)) {
+            if !rows[first..].contains(&row) {
+                rows.push(row);
+                margin.push(0.0);
             }
         }
-        if rows.len() == before && report.rounds > 2 {
+        if rows.len() == before {
             break;
         }
     }
-    (None, report)
+    Ok((None, report))
 }
 
-/// Lengths that have to be prescribed: reversed arcs first, then one arc of each path that collapsed.
-pub fn violations(tmesh: &TMesh, x: &[f64]) -> Vec<Separation> {
-    let length: Vec<f64> = tmesh.arcs.iter().map(|a| evaluate(&a.form, x)).collect();
-    let mut wrong: Vec<Separation> = Vec::new();
-    for (arc, &now) in tmesh.arcs.iter().zip(&length) {
-        if now < -0.5 {
-            wrong.push(Separation { form: arc.form.clone(), value: arc.length.round().max(0.0) });
-        }
-    }
-    if !wrong.is_empty() {
-        return wrong;
-    }
-    // Along features, junctions may coincide with each other but corners may not; elsewhere no two pinned nodes may.
+/// Paths of zero arcs that join two places which must differ.
+///
+/// Along features, junctions may coincide with each other but corners may not; elsewhere no two pinned nodes may.
+fn collapsed_paths(tmesh: &TMesh, length: &[f64]) -> Vec<Vec<usize>> {
     let vertices = tmesh.vertex_nodes();
-    collapsed(tmesh, &length, |arc| !arc.on_feature, |n| tmesh.pinned[n], &mut wrong);
-    collapsed(tmesh, &length, |_| true, |n| n < vertices, &mut wrong);
-    wrong
+    let mut paths = Vec::new();
+    collapsed(tmesh, length, |arc| !arc.on_feature, |n| tmesh.pinned[n], &mut paths);
+    collapsed(tmesh, length, |_| true, |n| n < vertices, &mut paths);
+    paths
 }
 
-/// Breadth-first over zero arcs from each pinned node; a path to another one yields its longest arc, to become 1.
+/// Breadth-first over zero arcs from each pinned node; the paths to other ones.
 fn collapsed(
     tmesh: &TMesh,
     length: &[f64],
     counts: impl Fn(&Arc) -> bool,
     pinned: impl Fn(usize) -> bool,
-    wrong: &mut Vec<Separation>,
+    paths: &mut Vec<Vec<usize>>,
 ) {
     let nodes = tmesh.pinned.len();
     let mut at: Vec<Vec<u32>> = vec![Vec::new(); nodes];
@@ -159,24 +193,18 @@ fn collapsed(
                     queue.push_back(m);
                     continue;
                 }
-                // Walk back to the root and prescribe the longest arc of the path.
-                let (mut longest, mut k) = (i as usize, m);
-                while through[k] != u32::MAX {
+                // Walk back to the root.
+                let (mut path, mut k) = (Vec::new(), m);
+                while k != root && through[k] != u32::MAX {
                     let j = through[k] as usize;
-                    if tmesh.arcs[j].length > tmesh.arcs[longest].length {
-                        longest = j;
-                    }
+                    path.push(j);
                     k = if tmesh.arcs[j].to as usize == k { tmesh.arcs[j].from } else { tmesh.arcs[j].to } as usize;
-                    if k == root {
-                        break;
-                    }
                 }
-                wrong.push(Separation { form: tmesh.arcs[longest].form.clone(), value: 1.0 });
+                paths.push(path);
                 // The other pinned node keeps its own search.
                 owner[m] = u32::MAX;
                 through[m] = u32::MAX;
             }
         }
     }
-    wrong.dedup();
 }

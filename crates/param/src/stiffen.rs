@@ -4,6 +4,7 @@
 //! Holds: integers, transitions and feature lines are untouched; the best map seen is kept.
 //! Source: [Bommes2012] §8.4, "Local Stiffening", c = 1 and d = 5.
 
+use crate::fans::is_wrong;
 use crate::placed::{PlacedMap, turn};
 use crate::problem::{EnergyOptions, FaceGradient, jacobian};
 use quadloom_mesh::{DVec2, FaceId, FaceMap, Progress, TriConnectivity, VertexMap};
@@ -20,11 +21,14 @@ pub struct StiffenOptions {
     pub most: f64,
     /// Smoothing steps of the weights after each update. Default 3.
     pub smoothing: u32,
+    /// Factor on the weights around a saddle that is folded or wrongly wound. Default 5: after two re-solves its
+    /// triangles are nearly rigid; more at once only moves the distortion to the next ring.
+    pub fan_factor: f64,
 }
 
 impl Default for StiffenOptions {
     fn default() -> Self {
-        Self { iterations: 5, rate: 1.0, most: 5.0, smoothing: 3 }
+        Self { iterations: 5, rate: 1.0, most: 5.0, smoothing: 3, fan_factor: 5.0 }
     }
 }
 
@@ -97,6 +101,18 @@ pub(crate) fn reweight(
 ) {
     let distortion = FaceMap::from_fn(mesh.face_count(), |f| distortion(jacobian(&gradient[f], map.face(mesh, f))));
     update_weights(mesh, &distortion, weight, options);
+    // Saddles with folded or wrongly wound fans: what the solve wants of their triangles is right, so let it have it.
+    for &saddle in &map.saddles {
+        let fan = || mesh.outgoing(saddle.vertex).map(|h| mesh.face(h));
+        let is_folded = |f: FaceId| determinant(jacobian(&gradient[f], map.face(mesh, f))) <= 0.0;
+        if fan().any(is_folded) || is_wrong(mesh, map, saddle) {
+            fan().for_each(|f| weight[f] *= options.fan_factor);
+        }
+    }
+}
+
+fn determinant(j: [[f64; 2]; 2]) -> f64 {
+    j[0][0] * j[1][1] - j[0][1] * j[1][0]
 }
 
 /// λ = |τσ₁ − 1| + |τσ₂ − 1| with τ the orientation ([Bommes2012] §8.4; the sizes are already divided out).

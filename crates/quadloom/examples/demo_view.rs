@@ -49,7 +49,7 @@ fn demo_scene(cells: i64) -> Result<Scene, Box<dyn Error>> {
         seams: view::seams(&mesh, &map),
         crosses: view::crosses(&mesh, &field_of(&mesh, &map), 1500),
         uv_isolines: view::isolines(&mesh, &map),
-        histograms: view::quad_histograms(&quads, target),
+        histograms: view::quad_histograms(&quads, Some(target)),
         quads: Some(QuadLayer::of(&quads)),
     })
 }

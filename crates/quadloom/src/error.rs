@@ -102,6 +102,8 @@ pub enum WarningCode {
     CountMissed,
     /// Feature edges asked for are not kept.
     FeatureMissed,
+    /// The surface is rough at the size of its quads; directions and map were made on a smoothed copy.
+    NoiseSmoothed,
     /// A first attempt failed and another one was made.
     Retried,
     /// No integer-grid map was found: triangles were split into quads.

@@ -16,6 +16,7 @@
 //! ```
 #![warn(missing_docs)]
 
+mod calm;
 pub mod components;
 pub mod count;
 pub mod error;
@@ -28,6 +29,7 @@ pub mod measure;
 pub mod memory;
 pub mod options;
 pub mod output;
+mod pairing;
 pub mod part;
 pub mod remesh;
 pub mod report;
@@ -40,7 +42,7 @@ pub mod view;
 
 pub use error::{FailureKind, RemeshError, Warning, WarningCode};
 pub use input::{Source, load};
-pub use options::{Elements, Fallback, GivenField, Method, RemeshOptions, Target};
+pub use options::{AdaptTo, Elements, Fallback, GivenField, Method, RemeshOptions, Target};
 pub use quadloom_extract as extract;
 pub use quadloom_io as io;
 pub use quadloom_mesh as mesh;

@@ -38,6 +38,17 @@ pub enum Method {
     Greedy,
 }
 
+/// What sizes follow.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AdaptTo {
+    /// Curvature: quads are small where the surface bends, so that they stay near it ([Bommes2012] §8.3).
+    #[default]
+    Curvature,
+    /// Local feature size: quads are small where the surface is thin or near to other parts of itself.
+    FeatureSize,
+}
+
 /// What is done with a component on which no integer-grid map without folds is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -70,8 +81,10 @@ pub struct RemeshOptions {
     pub features: Vec<[u32; 2]>,
     /// Whether boundary curves are kept as they are. Default true; false lets the quads end near the boundary.
     pub keep_boundary: bool,
-    /// How strongly sizes follow curvature: 0 uniform, 1 fully. Default 0.
+    /// How strongly sizes follow [`Self::adapt_to`]: 0 uniform, 1 fully. Default 0.
     pub adaptivity: f64,
+    /// What sizes follow. Default: curvature.
+    pub adapt_to: AdaptTo,
     /// How strongly quads are stretched along directions of low curvature: 0 squares, 1 fully. Default 0.
     pub anisotropy: f64,
     /// Name of a vertex attribute of the input whose values multiply the density of quads; `None`: none.
@@ -101,6 +114,7 @@ impl Default for RemeshOptions {
             features: Vec::new(),
             keep_boundary: true,
             adaptivity: 0.0,
+            adapt_to: AdaptTo::Curvature,
             anisotropy: 0.0,
             density: None,
             field: None,

@@ -3,13 +3,13 @@
 //! In: a connected triangle mesh and what is asked of it. Out: [`Part`], verified.
 //! Holds: quads that are returned have passed [`verify`]. Not: the count, which integers may miss.
 
-use crate::count::{Tried, fit_count};
+use crate::calm::calm;
 use crate::error::{RemeshError, Warning, WarningCode};
 use crate::features::{FeatureRequest, Features, find_features};
 use crate::options::{Fallback, RemeshOptions};
 use crate::report::Seconds;
 use crate::sizes::{SizeRequest, relative_sizes};
-use crate::split::{QUADS_PER_TRIANGLE, split_triangles};
+use crate::split::split_surface;
 use crate::stages::{
     SizedMap, WorkMesh, count_goal, cross_field, extract_quads, integer_grid_map, no_result, work_edge_length,
     work_mesh, work_mesh_with_field,
@@ -168,6 +168,13 @@ impl<'a> Run<'a> {
         self.warn(WarningCode::SharpEdgesDropped, message);
     }
 
+    fn warn_of_noise(&mut self) {
+        if self.warnings.iter().all(|w| w.code != WarningCode::NoiseSmoothed) {
+            let message = "the surface is rough at the size of its quads: directions were taken from a smoothed copy";
+            self.warn(WarningCode::NoiseSmoothed, message.into());
+        }
+    }
+
     /// All features, and those that are there without looking for sharp edges.
     fn features(&mut self) -> [Features; 2] {
         let edge = (self.area / self.request.quads as f64).sqrt();
@@ -223,7 +230,10 @@ impl<'a> Run<'a> {
         let room = if self.request.sizes.is_uniform() { 1.0 } else { ADAPTIVE_WORK_EDGE };
         let work_edge = work_edge_rel * room * work_edge_length(self.area, edge);
         let make = || work_mesh(self.request.mesh, features, work_edge, self.options, self.progress);
-        let work = self.seconds.time("work mesh", make)?;
+        let mut work = self.seconds.time("work mesh", make)?;
+        if self.seconds.time("work mesh", || calm(&mut work, self.area / (edge * edge))) {
+            self.warn_of_noise();
+        }
         let singularities = on_work_mesh(self.request, &work);
         self.progress.report("cross field", 0.0);
         let solve = || cross_field(&work, edge, &singularities, self.progress);
@@ -262,12 +272,15 @@ impl<'a> Run<'a> {
         failure: &RemeshError,
     ) -> Result<(QuadMesh, Option<Distances>), RemeshError> {
         let Self { request, options, progress, .. } = *self;
-        let quads = self.seconds.time("split", || split(request, &features.graph, options, progress))?;
-        let reference = Reference::new(request.mesh, &features.graph);
-        let distances = self.checked(&quads, &reference).map_err(|e| match e {
+        let goal = count_goal(request.quads as f64, options);
+        let split = || split_surface(request.mesh, &features.graph, goal, progress);
+        let because = |e: RemeshError| match e {
             RemeshError::NoResult { why, .. } => no_result("split", format!("{why}; before that, {failure}")),
             other => other,
-        })?;
+        };
+        let quads = self.seconds.time("split", split).map_err(because)?;
+        let reference = Reference::new(request.mesh, &features.graph);
+        let distances = self.checked(&quads, &reference).map_err(because)?;
         let message = format!("no map without folds was found ({failure}); triangles were split into quads instead");
         self.warn(WarningCode::TrianglesSplit, message);
         Ok((quads, distances))
@@ -310,22 +323,4 @@ fn fold_warning(solution: &Solution) -> Option<Warning> {
     let folds = solution.map.parametrization.inverted.len();
     let message = format!("{folds} triangles of the map are inverted; the quads around them were closed up");
     (folds > 0).then(|| Warning::new(WarningCode::FoldsSurvived, message))
-}
-
-/// Triangles of an isotropic mesh, split into quads.
-fn split(
-    request: &PartRequest,
-    features: &FeatureGraph,
-    options: &RemeshOptions,
-    progress: &Progress,
-) -> Result<QuadMesh, RemeshError> {
-    let triangles = (request.quads as f64 / QUADS_PER_TRIANGLE as f64).max(1.0);
-    let equilateral = (request.mesh.area() / triangles * 4.0 / 3.0_f64.sqrt()).sqrt();
-    let fitted = fit_count(count_goal(request.quads as f64, options), equilateral, |edge| {
-        let work = work_mesh(request.mesh, features, edge, options, progress)?;
-        let quads = (QUADS_PER_TRIANGLE * work.mesh.face_count()) as f64;
-        Ok::<_, RemeshError>(Some(Tried { solution: work, quads, flaws: 0 }))
-    })?;
-    let work = fitted.ok_or_else(|| no_result("split", "there is no work mesh"))?.solution;
-    split_triangles(&work.mesh).map_err(|e| no_result("split", e))
 }

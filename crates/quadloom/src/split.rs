@@ -1,14 +1,243 @@
-//! Triangles split into quads: the last resort where no integer-grid map is found, and the natural quads of a
-//! component of a few triangles.
+//! Triangles become quads: the last resort where no integer-grid map is found, and the natural quads of a component of
+//! a few triangles.
 //!
-//! In: a triangle mesh. Out: [`split_triangles`]: three quads per triangle, meeting at its centroid.
-//! Holds: same topology; every quad lies in its triangle's plane and is convex where the triangle is not degenerate.
-//! Not: few irregular vertices; every centroid has valence 3 and every mesh vertex keeps its own.
+//! In: a triangle mesh, its features, a count. Out: verified quads. Holds: same topology; no quad inverted or facing
+//! against the surface. Not: few irregular vertices, though most vertices are regular.
+//!
+//! 1. An isotropic work mesh of about half as many triangles as quads are wanted.
+//! 2. Its triangles are paired along the diagonals of a smooth cross field.
+//! 3. Pairs are split into four quads, the triangles that are left into three, and finished on the surface.
+//! 4. Where quads fail, the work mesh is made finer, and the whole is repeated.
+//!
+//! ```text
+//!     ┌────┬────┐              /\
+//!     │    │    │             /  \
+//!     ├────┼────┤            /\  /\     the sides in the middle, so that any mixture of both fits together;
+//!     │    │    │           /  \/  \    centres of triangles have valence 3, of pairs valence 4
+//!     └────┴────┘          /___│____\
+//! ```
 
-use quadloom_mesh::{DVec3, MeshError, QuadMesh, TriMesh};
+use crate::count::{CountGoal, Tried, fit_count};
+use crate::error::RemeshError;
+use crate::pairing::{Pairing, pair_corners, pair_triangles};
+use crate::stages::no_result;
+use crate::verify::{Verification, verify};
+use quadloom_extract::{Extraction, FinishError, FinishOptions, Placement, Reference, finish};
+use quadloom_field::{CrossField, FieldConstraints, FieldOptions, Transport, solve_cross_field};
+use quadloom_mesh::remesh::{RemeshOptions, Remeshed, TargetLength, isotropic};
+use quadloom_mesh::{
+    DVec3, EdgeId, EdgeMap, FaceId, FaceMap, FeatureGraph, HalfEdgeId, MeshError, PolylineIndex, Progress, QuadMesh,
+    SurfacePoint, TriMesh, VertexId, VertexMap, metric,
+};
 
 /// Number of quads that [`split_triangles`] makes of each triangle.
 pub const QUADS_PER_TRIANGLE: usize = 3;
+
+/// Rounds in which the work mesh is made finer where quads fail: the third has edges of an eighth.
+const REFINEMENTS: usize = 4;
+
+/// Factor on the work mesh's edges around quads that fail.
+const REFINED_REL: f64 = 0.5;
+
+/// Distance from a failed quad up to which the work mesh is made finer, relative to the quad's circumference.
+const REFINED_REACH_REL: f64 = 0.5;
+
+/// Least edge of a work mesh where the surface is curved or narrow, relative to the others.
+///
+/// Smaller than for a map: no field has to be solved, and thin parts need triangles on both sides.
+const LEAST_EDGE_REL: f64 = 0.15;
+
+/// Makes quads of a surface without a map.
+///
+/// # Input      features: boundaries included; goal: the number of quads, reached as far as no quad fails
+/// # Errors     no attempt passed verification, cancellation
+/// # Cost       a remeshing, a linear cross field and a finish for each of at most a few attempts
+/// # Guarantees the quads pass [`verify`]
+pub fn split_surface(
+    mesh: &TriMesh,
+    features: &FeatureGraph,
+    goal: CountGoal,
+    progress: &Progress,
+) -> Result<QuadMesh, RemeshError> {
+    let clock = std::time::Instant::now();
+    let reference = Reference::new(mesh, features);
+    // 1. A work mesh of the right size.
+    let uniform = VertexMap::filled(mesh.vertex_count(), 1.0);
+    let pairs_of_quads = (0.5 * goal.quads).max(1.0);
+    let equilateral = (mesh.area() / pairs_of_quads * 4.0 / 3.0_f64.sqrt()).sqrt();
+    let fitted = fit_count(goal, equilateral, |edge| {
+        let paired = Paired::new(mesh, features, &uniform, edge, progress)?;
+        eprintln!("DBG fit {edge} {} {:?}", paired.quad_count(), clock.elapsed());
+        let quads = paired.quad_count() as f64;
+        Ok::<_, RemeshError>(Some(Tried { solution: paired, quads, flaws: 0 }))
+    })?;
+    let fitted = fitted.ok_or_else(|| no_result("split", "there is no work mesh"))?;
+    // 2. Finer where quads fail.
+    let (mut paired, edge, mut relative) = (fitted.solution, fitted.size, uniform);
+    for round in 0..=REFINEMENTS {
+        let quads = finished(&paired.split()?, &reference, progress)?;
+        let verification = verify(&quads, &reference);
+        eprintln!("DBG round {round} quads {} inv {} against {} t {:?} first {:?}", quads.face_count(), verification.inverted.len(), verification.against.len(), clock.elapsed(), verification.inverted.iter().chain(&verification.against).next().map(|&f| quads.position(quads.face_vertices(f)[0])));
+        if verification.passed() {
+            return Ok(quads);
+        }
+        if round < REFINEMENTS {
+            refine_around(&mut relative, &quads, &verification, mesh);
+            paired = Paired::new(mesh, features, &relative, edge, progress)?;
+        }
+    }
+    // 3. The input's own triangles, whatever their number.
+    let quads = split_triangles(mesh).map_err(|e| no_result("split", e))?;
+    let verification = verify(&quads, &reference);
+    if verification.passed() { Ok(quads) } else { Err(no_result("split", verification.complaint())) }
+}
+
+/// A work mesh with the pairs of its triangles.
+struct Paired {
+    work: Remeshed,
+    pairing: Pairing,
+}
+
+impl Paired {
+    /// # Input      relative: edge lengths at the vertices of `mesh`, in `edge`
+    fn new(
+        mesh: &TriMesh,
+        features: &FeatureGraph,
+        relative: &VertexMap<f64>,
+        edge: f64,
+        progress: &Progress,
+    ) -> Result<Self, RemeshError> {
+        let length = VertexMap::from_fn(mesh.vertex_count(), |v| relative[v] * edge);
+        let options = RemeshOptions { min_length_rel: LEAST_EDGE_REL, ..RemeshOptions::default() };
+        let work = isotropic(mesh, features, TargetLength::PerVertex(&length), &options, progress)?;
+        eprintln!("DBG remeshed {}", work.mesh.face_count());
+        let field = smooth_field(&work, progress)?;
+        eprintln!("DBG field");
+        let pairing = pair_triangles(&work.mesh, &work.features, field.as_ref());
+        Ok(Self { work, pairing })
+    }
+
+    fn quad_count(&self) -> usize {
+        QUADS_PER_TRIANGLE * self.work.mesh.face_count() - 2 * self.pairing.pairs
+    }
+
+    /// Splits pairs and single triangles at the midpoints of their sides and at their centres.
+    ///
+    /// # Output     quads on the work mesh; vertices come first, then midpoints by edge, then centres by face
+    fn split(&self) -> Result<Extraction, RemeshError> {
+        let Self { work: Remeshed { mesh, features, .. }, pairing: Pairing { joined, .. } } = self;
+        let mut points: Vec<(SurfacePoint, Placement)> =
+            mesh.vertices().map(|v| (at_vertex(mesh, v), vertex_placement(mesh, features, v))).collect();
+        // 1. Midpoints.
+        let mut midpoint = EdgeMap::filled(mesh.edge_count(), 0);
+        for e in mesh.edges().filter(|&e| !joined[e]) {
+            midpoint[e] = points.len() as u32;
+            let on_chain = |chain| Placement::Chain { chain, edge: e, parameter: 0.5 };
+            points.push((at_middle(mesh, e), features.chain_of[e].map_or(Placement::Free, on_chain)));
+        }
+        // 2. Centres, and the quads around them.
+        let (mut quads, mut chain_of_side) = (Vec::new(), Vec::new());
+        for f in mesh.faces() {
+            let inner = mesh.face_half_edges(f).map(|h| mesh.edge(h)).into_iter().find(|&e| joined[e]);
+            if inner.is_some_and(|e| mesh.face(mesh.half_edge(e)) != f) {
+                continue;
+            }
+            let centre = points.len() as u32;
+            let sides: Vec<HalfEdgeId> = match inner.and_then(|e| pair_corners(mesh, e)) {
+                Some(sides) => sides.to_vec(),
+                None => mesh.face_half_edges(f).to_vec(),
+            };
+            let place = inner.map_or(SurfacePoint { face: f, weights: [1.0 / 3.0; 3] }, |e| at_middle(mesh, e));
+            points.push((place, Placement::Free));
+            for (k, &h) in sides.iter().enumerate() {
+                let [before, after] = [sides[(k + sides.len() - 1) % sides.len()], h].map(|side| mesh.edge(side));
+                quads.push([mesh.origin(h).0, midpoint[after], centre, midpoint[before]]);
+                chain_of_side.push([features.chain_of[after], features.chain_of[before]]);
+            }
+        }
+        // 3. The quad mesh and what goes with it.
+        let positions = points.iter().map(|(place, _)| place.position(mesh)).collect();
+        let quad_mesh = QuadMesh::new(positions, &quads).map_err(|e| no_result("split", e))?;
+        let mut feature_edges = EdgeMap::filled(quad_mesh.edge_count(), None);
+        for (f, [after, before]) in quad_mesh.faces().zip(chain_of_side) {
+            let [first, _, _, last] = quad_mesh.face_half_edges(f);
+            feature_edges[quad_mesh.edge(first)] = after;
+            feature_edges[quad_mesh.edge(last)] = before;
+        }
+        Ok(Extraction {
+            grid: FaceMap::filled(quad_mesh.face_count(), None),
+            mesh: quad_mesh,
+            origin: points.iter().map(|p| p.0).collect(),
+            placement: points.iter().map(|p| p.1).collect(),
+            feature_edges,
+            report: quadloom_extract::ExtractReport::default(),
+        })
+    }
+}
+
+/// A cross field that is smooth and no more; `None` where there is none.
+fn smooth_field(work: &Remeshed, progress: &Progress) -> Result<Option<CrossField>, RemeshError> {
+    let mesh = &work.mesh;
+    let length = metric::edge_lengths(mesh);
+    let transport = Transport::new(mesh, &length);
+    let (constraints, _) = FieldConstraints::from_features(mesh, &transport, &length, &work.features);
+    let options = FieldOptions { local_search: false, ..FieldOptions::default() };
+    match solve_cross_field(mesh, &transport, &length, &constraints, &options, progress) {
+        Ok((field, _)) => Ok(Some(field)),
+        Err(quadloom_field::FieldError::Cancelled(c)) => Err(c.into()),
+        Err(_) => Ok(None),
+    }
+}
+
+fn at_vertex(mesh: &TriMesh, v: VertexId) -> SurfacePoint {
+    on_side(mesh, mesh.outgoing_half_edge(v), 0.0)
+}
+
+fn at_middle(mesh: &TriMesh, e: EdgeId) -> SurfacePoint {
+    on_side(mesh, mesh.half_edge(e), 0.5)
+}
+
+/// The point of a half-edge at `t` in 0..=1 from its origin.
+fn on_side(mesh: &TriMesh, h: HalfEdgeId, t: f64) -> SurfacePoint {
+    let face = mesh.face(h);
+    let k = (h.0 - mesh.first_half_edge(face).0) as usize;
+    let mut weights = [0.0; 3];
+    (weights[k], weights[(k + 1) % 3]) = (1.0 - t, t);
+    SurfacePoint { face, weights }
+}
+
+fn vertex_placement(mesh: &TriMesh, features: &FeatureGraph, v: VertexId) -> Placement {
+    if features.is_corner[v] {
+        return Placement::Corner(v);
+    }
+    let on = mesh.vertex_edges(v).find_map(|e| features.chain_of[e].map(|chain| (chain, e)));
+    on.map_or(Placement::Free, |(chain, edge)| {
+        let parameter = if mesh.ends(edge)[0] == v { 0.0 } else { 1.0 };
+        Placement::Chain { chain, edge, parameter }
+    })
+}
+
+fn finished(split: &Extraction, reference: &Reference, progress: &Progress) -> Result<QuadMesh, RemeshError> {
+    match finish(split, reference, &FinishOptions::default(), progress) {
+        Ok(finished) => { eprintln!("DBG {:?}", finished.report); Ok(finished.mesh) },
+        Err(FinishError::Cancelled(c)) => Err(c.into()),
+        Err(other) => Err(no_result("finish", other)),
+    }
+}
+
+/// Lowers the relative edge length at the vertices of the surface around quads that fail, on all sheets of it.
+fn refine_around(relative: &mut VertexMap<f64>, quads: &QuadMesh, verification: &Verification, mesh: &TriMesh) {
+    let failed = verification.inverted.iter().chain(&verification.against);
+    let outline = |&f: &FaceId| (quads.face_vertices(f).map(|v| quads.position(v)), true);
+    let outlines: Vec<([DVec3; 4], bool)> = failed.map(outline).collect();
+    let index = PolylineIndex::new(&outlines);
+    for v in mesh.vertices() {
+        let Some(nearest) = index.query_any(mesh.position(v)) else { continue };
+        if nearest.distance <= REFINED_REACH_REL * index.length(nearest.chain) {
+            relative[v] *= REFINED_REL;
+        }
+    }
+}
 
 /// Splits every triangle into three quads at its centroid and the midpoints of its sides.
 ///

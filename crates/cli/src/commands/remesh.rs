@@ -1,14 +1,14 @@
 //! `quadloom remesh`
 
 use super::{check_output, is_any_output, is_field_output, is_surface_output, read, use_threads, write, write_text};
-use crate::args::{FallbackArg, MethodArg, RemeshArgs};
+use crate::args::{AdaptToArg, FallbackArg, MethodArg, RemeshArgs};
 use crate::console::Console;
 use crate::{exit, watchdog};
 use quadloom::io::{Format, read_features, read_guides, read_singularities};
 use quadloom::view::render_html;
 use quadloom::{
-    FaceSoup, Fallback, GivenField, Method, RemeshError, RemeshOptions, RemeshResult, Report, Target, output, remesh,
-    scene,
+    AdaptTo, FaceSoup, Fallback, GivenField, Method, RemeshError, RemeshOptions, RemeshResult, Report, Target, output,
+    remesh, scene,
 };
 use std::path::Path;
 use std::process::ExitCode;
@@ -76,6 +76,10 @@ fn options(args: &RemeshArgs, soup: &FaceSoup) -> Result<RemeshOptions, RemeshEr
         features,
         keep_boundary: args.keep_boundary,
         adaptivity: args.adaptivity,
+        adapt_to: match args.adapt_to {
+            AdaptToArg::Curvature => AdaptTo::Curvature,
+            AdaptToArg::FeatureSize => AdaptTo::FeatureSize,
+        },
         anisotropy: args.anisotropy,
         density: args.density.clone(),
         field: field.map(|directions| GivenField { directions }),

@@ -14,7 +14,7 @@ pub fn run(args: &ViewArgs) -> Result<ExitCode, RemeshError> {
     let soup = read(&args.input)?;
     let reference = args.reference.as_deref().map(surface).transpose()?;
     let scene = match as_quads(&soup) {
-        Some(Ok(quads)) => scene::of_quads(&quads, reference.as_ref(), &args.input),
+        Some(Ok(quads)) => scene::of_quads(&quads, reference.as_ref(), None, &args.input),
         _ => scene::of_triangles(&repair(&soup, &RepairOptions::default())?.mesh, &args.input),
     };
     write_text(&args.output, &render_html(&scene))?;

@@ -72,12 +72,12 @@ impl Bins {
 /// The three histograms of a quad mesh: corner angles (90° marked), edge lengths relative to `target_length` (1
 /// marked), scaled Jacobians (1 marked).
 ///
-/// # Input      target_length: file units; where it is not positive the mean edge length takes its place
+/// # Input      target_length: what was aimed at, file units; without one the mean edge length takes its place
 /// # Cost       linear
-pub fn quad_histograms(mesh: &QuadMesh, target_length: f64) -> Vec<Histogram> {
+pub fn quad_histograms(mesh: &QuadMesh, target_length: Option<f64>) -> Vec<Histogram> {
     let length: Vec<f64> = mesh.edges().map(|e| edge_length(mesh, e)).collect();
     let mean = length.iter().sum::<f64>() / length.len().max(1) as f64;
-    let (unit, name) = if target_length > 0.0 { (target_length, "target") } else { (mean, "mean") };
+    let (unit, name) = target_length.filter(|&l| l > 0.0).map_or((mean, "mean"), |l| (l, "target"));
     let angles = mesh.faces().flat_map(|f| corner_angles(mesh, f));
     vec![
         Histogram::new("Corner angles", "°", Bins { low: 0.0, high: 180.0, count: 60 }, angles).with_mark(90.0),
@@ -184,11 +184,11 @@ mod tests {
             (0..8).map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2))).collect();
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let cube = QuadMesh::new(positions, &faces).unwrap();
-        let all = quad_histograms(&cube, 2.0);
+        let all = quad_histograms(&cube, Some(2.0));
         assert_eq!(all[0].summary, Some([90.0; 3]));
         assert_eq!(all[1].summary, Some([0.5; 3]));
         assert_eq!(all[2].summary, Some([1.0; 3]));
         assert_eq!(all.iter().map(|h| h.counts.iter().sum::<u64>()).collect::<Vec<_>>(), [24, 12, 6]);
-        assert_eq!(quad_histograms(&cube, 0.0)[1].summary, Some([1.0; 3]));
+        assert_eq!(quad_histograms(&cube, None)[1].summary, Some([1.0; 3]));
     }
 }
