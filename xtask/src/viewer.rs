@@ -1,0 +1,38 @@
+//! The page of `--view` in a real browser.
+//!
+//! In: a built command. Out: success, or what the browser saw. Holds: without Node, Chromium or playwright-core the
+//! check is skipped, and says so.
+
+use crate::shell::{Outcome, cargo, root};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+/// The shape whose page is opened: it has features, bores, seams and irregular vertices.
+const SHAPE: &str = "sample:bracket";
+
+/// Makes a page with the command and has `tests/viewer/run.mjs` work with it.
+pub fn test() -> Outcome {
+    let node = Command::new("node").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    if !node.is_ok_and(|status| status.success()) {
+        println!("skipped: there is no node to drive a browser with");
+        return Ok(());
+    }
+    // 1. The page.
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
+    let folder = target.join("viewer");
+    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let [mesh, page] = ["bracket.obj", "bracket.html"].map(|name| folder.join(name).display().to_string());
+    let words = ["run", "--release", "--quiet", "--package", "quadloom-cli", "--", "remesh", SHAPE];
+    let options = ["--quads", "1500", "-o", &mesh, "--view", &page, "--quiet"];
+    cargo(&[&words[..], &options[..]].concat())?;
+    // 2. The browser.
+    let script = root().join("tests/viewer/run.mjs");
+    let status = Command::new("node")
+        .arg(script)
+        .arg(&page)
+        .arg(folder.join("pictures"))
+        .current_dir(root())
+        .status()
+        .map_err(|e| format!("node: {e}"))?;
+    if status.success() { Ok(()) } else { Err(format!("the browser test of {page} failed")) }
+}
