@@ -12,6 +12,7 @@
 //!
 //! Differs from [Bommes2012] §8.4, where fold-free is taken for valid.
 
+use crate::charts::Charts;
 use crate::integer_grid_map::GRID_UNIT;
 use crate::placed::{PlacedMap, turn};
 use crate::problem::FaceGradient;
@@ -30,6 +31,13 @@ pub struct Saddle {
     pub vertex: VertexId,
     /// Quarter turns that the map has to make around it, at least 5.
     pub quarters: u32,
+}
+
+/// The interior singular vertices of negative index, ascending.
+pub fn saddles(mesh: &TriConnectivity, charts: &Charts) -> Vec<Saddle> {
+    let is_saddle = |&(v, index): &(VertexId, i32)| index < 0 && !mesh.is_boundary_vertex(v);
+    let saddle = |&(vertex, index): &(VertexId, i32)| Saddle { vertex, quarters: 4 + index.unsigned_abs() };
+    charts.singular.iter().filter(|s| is_saddle(s)).map(saddle).collect()
 }
 
 /// Whether the triangles around a saddle, counted with their orientation, make the wrong number of turns.

@@ -6,6 +6,7 @@
 //! Source: [Bommes2012] ch. 6 and §8.4; the rungs after stiffening are documented in [`Parametrizer::map`].
 
 use crate::charts::Charts;
+use crate::fans::saddles;
 use crate::integer_grid_map::{GRID_UNIT, IntegerGridMap};
 use crate::placed::{PlacedMap, PlacementError};
 use crate::problem::{
@@ -232,7 +233,7 @@ impl<'a> Parametrizer<'a> {
         report: &mut ParamReport,
         progress: &Progress,
     ) -> Result<PlacedMap, ParamError> {
-        let weight = FaceMap::filled(self.mesh.face_count(), 1.0);
+        let weight = self.first_weights(&options.stiffen);
         let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, 1.0);
         let cancelled = || progress.cancelled();
         let rounding = match options.method {
@@ -244,6 +245,10 @@ impl<'a> Parametrizer<'a> {
         report.integers = solution.report.free_integers;
         report.energy = solution.energy;
         PlacedMap::new(self.mesh, &self.charts, &solution.x, GRID_UNIT).map_err(ParamError::Placement)
+    }
+
+    fn first_weights(&self, options: &StiffenOptions) -> FaceMap<f64> {
+        stiffen::first_weights(self.mesh, &saddles(self.mesh, &self.charts), options)
     }
 
     /// Rungs 2 and 3 at the map's integers.
@@ -279,7 +284,7 @@ impl<'a> Parametrizer<'a> {
         let fine = GRID_UNIT >> SEAMLESS_BITS;
         let scale = (GRID_UNIT / fine) as f64;
         let direct = SolveOptions { rounding: Rounding::Direct, ..SolveOptions::default() };
-        let mut weight = FaceMap::filled(self.mesh.face_count(), 1.0);
+        let mut weight = self.first_weights(&options.stiffen);
         let mut folds = Vec::new();
         for round in 0..=options.seamless_rounds {
             progress.check()?;
@@ -323,7 +328,7 @@ impl<'a> Parametrizer<'a> {
                 return Ok(None);
             }
         };
-        let weight = FaceMap::filled(self.mesh.face_count(), 1.0);
+        let weight = self.first_weights(&options.stiffen);
         // 2. Its motorcycle graph.
         let lattice = seamless.to_lattice(self.mesh);
         let Ok(tmesh) = trace(self.mesh, self.features, &self.charts, &lattice, progress) else {

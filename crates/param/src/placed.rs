@@ -6,7 +6,7 @@
 //! Source: [Bommes2012] §6, Eq. (6.1); consistency by construction as asked for in [Ebke2013] §4.
 
 use crate::charts::Charts;
-use crate::fans::{Saddle, is_wrong};
+use crate::fans::{Saddle, is_wrong, saddles};
 use crate::integer_grid_map::{GRID_UNIT, IntegerGridMap, LatticePoint, Transition, rotate};
 use quadloom_mesh::{CornerMap, EdgeMap, FaceId, HalfEdgeMap, TriConnectivity, VertexId, VertexMap};
 
@@ -88,9 +88,7 @@ impl PlacedMap {
             }
         }
         // 5. Turns that triangles without inversion can still miss.
-        let is_saddle = |&(v, index): &(VertexId, i32)| index < 0 && !mesh.is_boundary_vertex(v);
-        let saddle = |&(vertex, index): &(VertexId, i32)| Saddle { vertex, quarters: 4 + index.unsigned_abs() };
-        let saddles = charts.singular.iter().filter(|s| is_saddle(s)).map(saddle).collect();
+        let saddles = saddles(mesh, charts);
         Ok(Self { point, fixed, to_corner, transition, saddles })
     }
 

@@ -4,7 +4,7 @@
 //! Holds: integers, transitions and feature lines are untouched; the best map seen is kept.
 //! Source: [Bommes2012] §8.4, "Local Stiffening", c = 1 and d = 5.
 
-use crate::fans::is_wrong;
+use crate::fans::{Saddle, is_wrong};
 use crate::placed::{PlacedMap, turn};
 use crate::problem::{EnergyOptions, FaceGradient, jacobian};
 use quadloom_mesh::{DVec2, FaceId, FaceMap, Progress, TriConnectivity, VertexMap};
@@ -54,7 +54,7 @@ pub fn stiffen(
     options: &StiffenOptions,
     progress: &Progress,
 ) -> StiffenReport {
-    let mut weight = FaceMap::filled(mesh.face_count(), 1.0);
+    let mut weight = first_weights(mesh, &map.saddles, options);
     let mut best = map.folded_faces(mesh).len();
     let mut report = StiffenReport { inverted_before: best, inverted_after: best, iterations: 0 };
     if best == 0 {
@@ -89,6 +89,15 @@ pub fn stiffen(
     map.point = points;
     report.inverted_after = best;
     report
+}
+
+/// 1, and more around saddles, where the linear energy is the first to fold.
+pub(crate) fn first_weights(mesh: &TriConnectivity, saddles: &[Saddle], options: &StiffenOptions) -> FaceMap<f64> {
+    let mut weight = FaceMap::filled(mesh.face_count(), 1.0);
+    for saddle in saddles {
+        mesh.outgoing(saddle.vertex).for_each(|h| weight[mesh.face(h)] = options.fan_factor);
+    }
+    weight
 }
 
 /// Raises the weights of faces whose distortion differs from their neighbours'.

@@ -16,7 +16,7 @@
 //! ```
 #![warn(missing_docs)]
 
-mod calm;
+pub mod calm;
 pub mod components;
 pub mod count;
 pub mod error;

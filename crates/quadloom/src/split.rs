@@ -42,11 +42,6 @@ const REFINED_REL: f64 = 0.5;
 /// Distance from a failed quad up to which the work mesh is made finer, relative to the quad's circumference.
 const REFINED_REACH_REL: f64 = 0.5;
 
-/// Least edge of a work mesh where the surface is curved or narrow, relative to the others.
-///
-/// Smaller than for a map: no field has to be solved, and thin parts need triangles on both sides.
-const LEAST_EDGE_REL: f64 = 0.15;
-
 /// Makes quads of a surface without a map.
 ///
 /// # Input      features: boundaries included; goal: the number of quads, reached as far as no quad fails
@@ -108,7 +103,7 @@ impl Paired {
         progress: &Progress,
     ) -> Result<Self, RemeshError> {
         let length = VertexMap::from_fn(mesh.vertex_count(), |v| relative[v] * edge);
-        let options = RemeshOptions { min_length_rel: LEAST_EDGE_REL, ..RemeshOptions::default() };
+        let options = RemeshOptions::default();
         let work = isotropic(mesh, features, TargetLength::PerVertex(&length), &options, progress)?;
         eprintln!("DBG remeshed {}", work.mesh.face_count());
         let field = smooth_field(&work, progress)?;

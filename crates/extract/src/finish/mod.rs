@@ -1,8 +1,9 @@
 //! Finishing: quads are moved onto the input surface and made as rectangular as their connectivity allows.
 //!
 //! In: an extraction, the input as [`Reference`]. Out: [`Finished`]. Holds: corners stay, vertices on a chain stay on
-//! the input's curve and in order, all others on the input surface; no sweep inverts a quad or turns it against the
-//! surface; the result is the same for any number of threads. Not: that a quad inverted at the start is cured.
+//! the input's curve and in order, all others on the input surface, except where only a place beside it keeps a quad
+//! from being inverted; no step inverts a quad or turns it against the surface; the result is the same for any number
+//! of threads. Not: that a quad inverted at the start is cured.
 //! Source: [Bommes2012] §8.5 asks for it; the method is projective smoothing [Bouaziz2012] with rollback, own.
 
 mod shape;
@@ -64,7 +65,7 @@ pub struct FinishReport {
     pub mismatched: usize,
     /// Vertices that left their corner or curve because a quad stayed inverted otherwise.
     pub released: usize,
-    /// Quads inverted or facing against the surface, when put onto it.
+    /// Quads inverted or facing against the surface, as they came.
     pub bad_before: usize,
     /// The same at the end.
     pub bad_after: usize,
@@ -109,11 +110,10 @@ pub fn finish(
     // 1. Onto the input.
     let ties = Ties::new(quads, reference, edge);
     report.mismatched = ties.mismatched;
-    let mut state = State::new(&quads.mesh, reference, ties);
-    let bad = |state: &State| state.quads.faces().filter(|&f| state.is_bad(f)).count();
-    report.bad_before = bad(&state);
+    let (mut state, bad_before) = State::new(&quads.mesh, reference, ties);
+    report.bad_before = bad_before;
     // 2. What is inverted is cured first: sweeps only keep what is good.
-    if report.bad_before > 0 {
+    if state.bad_quads() > 0 {
         report.single_moves += improve_worst(&mut state, 0.05, options.rounds, progress)?;
     }
     // 3. Sweeps.
@@ -129,15 +129,16 @@ pub fn finish(
     }
     // 4. The worst ones by themselves.
     report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
+    state.project_all();
     // 5. A feature is given up where it alone keeps a quad inverted.
     for rings in 0..RELEASE_RINGS {
-        if !options.release || bad(&state) == 0 {
+        if !options.release || state.bad_quads() == 0 {
             break;
         }
         report.released += state.release_inverted(rings);
         report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
     }
-    report.bad_after = bad(&state);
+    report.bad_after = state.bad_quads();
     let mesh = quads.mesh.with_positions(state.position)?;
     progress.report("finish", 1.0);
     Ok(Finished { mesh, report })

@@ -1,7 +1,7 @@
 //! The moving vertices of finishing, and what may not get worse.
 //!
 //! In: ties and positions. Out: [`State`], with proposals that are taken back where they hurt a quad.
-//! Holds: after [`State::advance`] no quad is worse than before, unless it is better than [`QUALITY_FLOOR`].
+//! Holds: after [`State::advance`] no quad is worse than before, unless it is better than the floor.
 //! Source: own.
 
 use super::ties::{Move, Tie, Ties, project};
@@ -13,7 +13,10 @@ use rayon::prelude::*;
 /// Quads above this scaled Jacobian may get worse, down to it, for the sake of their neighbours.
 ///
 /// Larger: sweeps stall at the first poor quad; smaller: single quads are given up for the mean.
-const QUALITY_FLOOR: f64 = 0.5;
+pub(crate) const QUALITY_FLOOR: f64 = 0.5;
+
+/// The same while vertices are put onto the surface: being there is worth more than a good quad.
+const PROJECTED_FLOOR: f64 = 0.05;
 
 /// Scaled Jacobian below which a quad counts as inverted.
 const INVERTED: f64 = 0.005;
@@ -36,11 +39,35 @@ pub(crate) struct State<'a> {
 }
 
 impl<'a> State<'a> {
-    pub fn new(quads: &'a QuadMesh, reference: &'a Reference<'a>, ties: Ties) -> Self {
-        let Ties { position, tie, along, .. } = ties;
+    /// The quads with their vertices put onto what they are tied to, except where that would invert a quad.
+    ///
+    /// # Output     the state, and the number of quads that are bad as they came
+    pub fn new(quads: &'a QuadMesh, reference: &'a Reference<'a>, ties: Ties) -> (Self, usize) {
+        let Ties { position: tied, tie, along, .. } = ties;
+        let position = quads.positions().clone();
         let mut state = Self { quads, reference, position, tie, along, quality: Vec::new() };
         state.quality = (0..quads.face_count()).into_par_iter().map(|f| state.measure(FaceId::new(f))).collect();
-        state
+        let bad = state.bad_quads();
+        let moves: Vec<Option<Move>> =
+            quads.vertices().map(|v| Some(Move { position: tied[v], tie: state.tie[v] })).collect();
+        state.advance(&moves, PROJECTED_FLOOR);
+        (state, bad)
+    }
+
+    /// Number of inverted quads.
+    pub fn bad_quads(&self) -> usize {
+        self.quads.faces().filter(|&f| self.is_bad(f)).count()
+    }
+
+    /// Puts vertices that a quad kept off the surface or their curve onto it where that no longer inverts one.
+    pub fn project_all(&mut self) {
+        let place = |v: VertexId| {
+            let there = self.displaced(v, DVec3::ZERO, self.vertex_normal(v))?;
+            (there.position != self.position[v]).then_some(there)
+        };
+        let moves: Vec<Option<Move>> =
+            (0..self.quads.vertex_count()).into_par_iter().map(|v| place(VertexId::new(v))).collect();
+        self.advance(&moves, PROJECTED_FLOOR);
     }
 
     /// Positions of a quad's corners.
@@ -56,6 +83,14 @@ impl<'a> State<'a> {
             None => jacobian,
             Some(normal) => worst_corner(corner, normal).min(0.0) - 1e-9,
         }
+    }
+
+    /// The worst quality of some quads, or any lower bound of `limit` at most if it is not above `limit`.
+    pub fn worst_above(&self, faces: &[FaceId], limit: f64) -> f64 {
+        let worst = |measure: &dyn Fn(FaceId) -> f64| faces.iter().map(|&f| measure(f)).fold(f64::INFINITY, f64::min);
+        // A quad that faces against the surface is negative, another one has its Jacobian, which costs no query.
+        let bound = if limit >= 0.0 { worst(&|f| scaled_jacobian(self.corners(f))) } else { f64::INFINITY };
+        if bound <= limit { bound } else { worst(&|f| self.measure(f)) }
     }
 
     /// The surface's unit normal at the quad's centre if the quad faces against it.
@@ -138,10 +173,10 @@ impl<'a> State<'a> {
         (a * b < 0.0).then(|| (-a.min(b), a.max(b)))
     }
 
-    /// Takes all moves at once, then takes back those at quads that got worse, until none is.
+    /// Takes all moves at once, then takes back those at quads that got worse and are below `floor`, until none is.
     ///
     /// # Output     largest distance moved, file units
-    pub fn advance(&mut self, moves: &[Option<Move>]) -> f64 {
+    pub fn advance(&mut self, moves: &[Option<Move>], floor: f64) -> f64 {
         let old: Vec<Move> = self.quads.vertices().map(|v| self.place(v)).collect();
         for v in self.quads.vertices() {
             if let Some(m) = moves[v.index()] {
@@ -156,7 +191,7 @@ impl<'a> State<'a> {
             let mut back: Vec<VertexId> = Vec::new();
             for (&f, &q) in touched.iter().zip(&measured) {
                 quality[f.index()] = q;
-                if q < self.quality[f.index()].min(QUALITY_FLOOR) {
+                if q < self.quality[f.index()].min(floor) {
                     back.extend(self.quads.face_vertices(f));
                 }
             }

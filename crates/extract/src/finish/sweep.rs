@@ -5,7 +5,7 @@
 //! Source: projective dynamics of shapes as in [Bouaziz2012], one Jacobi step a sweep.
 
 use super::shape::nearest_rectangle;
-use super::state::State;
+use super::state::{QUALITY_FLOOR, State};
 use super::ties::Move;
 use quadloom_mesh::{DVec3, FaceId, VertexId};
 use rayon::prelude::*;
@@ -50,7 +50,7 @@ pub(crate) fn sweep(state: &mut State, aim: Aim) -> f64 {
         })
         .collect();
     // 4. Together, as far as no quad suffers.
-    state.advance(&moves)
+    state.advance(&moves, QUALITY_FLOOR)
 }
 
 fn proposal(state: &State, rectangles: &[Option<[DVec3; 4]>], laplacian: f64, v: VertexId) -> DVec3 {

@@ -5,13 +5,16 @@
 
 use super::state::State;
 use super::ties::{Move, Tie};
-use quadloom_mesh::{Cancelled, DVec3, FaceId, Progress, VertexId};
+use quadloom_mesh::{Cancelled, DVec3, FaceId, FaceMap, Progress, VertexId, VertexMap};
 
 /// Radii of the pattern, relative to the mean length of the edges at the vertex.
 const RADII_REL: [f64; 4] = [0.5, 0.2, 0.08, 0.03];
 
 /// Directions of the pattern.
 const DIRECTIONS: usize = 8;
+
+/// Gain below which a move is not worth making.
+const LEAST_GAIN: f64 = 1e-6;
 
 /// Improves the quads below `threshold`, in at most `rounds` rounds.
 ///
@@ -24,6 +27,10 @@ pub(crate) fn improve_worst(
     progress: &Progress,
 ) -> Result<usize, Cancelled> {
     let mut moves = 0;
+    // A vertex is tried again once a quad at it has changed: the move that changed each quad last, from 1, and the
+    // number of moves when each vertex was tried.
+    let mut changed = FaceMap::filled(state.quads.face_count(), 1);
+    let mut tried = VertexMap::filled(state.quads.vertex_count(), 0);
     for _ in 0..rounds {
         progress.check()?;
         let before = moves;
@@ -32,7 +39,15 @@ pub(crate) fn improve_worst(
         vertices.sort_unstable();
         vertices.dedup();
         for v in vertices {
-            moves += usize::from(improve(state, v));
+            let faces: Vec<FaceId> = state.quads.outgoing(v).map(|h| state.quads.face(h)).collect();
+            if faces.iter().all(|&f| changed[f] <= tried[v]) {
+                continue;
+            }
+            tried[v] = moves + 1;
+            if improve(state, v, &faces) {
+                moves += 1;
+                faces.iter().for_each(|&f| changed[f] = moves + 1);
+            }
         }
         if moves == before {
             break;
@@ -42,19 +57,18 @@ pub(crate) fn improve_worst(
 }
 
 /// Moves a vertex to the best place of the pattern around it, if one is better.
-fn improve(state: &mut State, v: VertexId) -> bool {
+fn improve(state: &mut State, v: VertexId, faces: &[FaceId]) -> bool {
     let start = state.place(v);
     if start.tie == Tie::Fixed {
         return false;
     }
-    let faces: Vec<FaceId> = state.quads.outgoing(v).map(|h| state.quads.face(h)).collect();
-    let (mut best, mut best_worst) = (start, worst(state, &faces));
+    let (mut best, mut best_worst) = (start, state.worst_above(faces, f64::NEG_INFINITY));
     let normal = state.vertex_normal(v);
     for displacement in pattern(state, v, normal) {
         let Some(there) = state.displaced(v, displacement, normal) else { continue };
         state.put(v, there);
-        let found = worst(state, &faces);
-        if found > best_worst + 1e-6 {
+        let found = state.worst_above(faces, best_worst + LEAST_GAIN);
+        if found > best_worst + LEAST_GAIN {
             (best, best_worst) = (there, found);
         }
         state.put(v, start);
@@ -62,15 +76,11 @@ fn improve(state: &mut State, v: VertexId) -> bool {
     let moved = best.position != start.position;
     if moved {
         state.put(v, best);
-        for f in faces {
+        for &f in faces {
             state.quality[f.index()] = state.measure(f);
         }
     }
     moved
-}
-
-fn worst(state: &State, faces: &[FaceId]) -> f64 {
-    faces.iter().map(|&f| state.measure(f)).fold(f64::INFINITY, f64::min)
 }
 
 /// Displacements to try: to the mean of the neighbours, and on circles in the tangent plane.
