@@ -242,7 +242,9 @@ fn is_quad(mesh: &TriMesh, e: EdgeId) -> bool {
     let Some(corner) = pair_corners(mesh, e) else { return false };
     let corner = corner.map(|h| mesh.position(mesh.origin(h)));
     let distinct = corner[1] != corner[3];
-    distinct && mesh.face_normal(f).dot(mesh.face_normal(g)) > LEAST_FLATNESS && scaled_jacobian(corner) > LEAST_JACOBIAN
+    distinct
+        && mesh.face_normal(f).dot(mesh.face_normal(g)) > LEAST_FLATNESS
+        && scaled_jacobian(corner) > LEAST_JACOBIAN
 }
 
 fn corner_angle(mesh: &TriMesh, h: HalfEdgeId) -> f64 {

@@ -231,7 +231,9 @@ impl<'a> Run<'a> {
         let work_edge = work_edge_rel * room * work_edge_length(self.area, edge);
         let make = || work_mesh(self.request.mesh, features, work_edge, self.options, self.progress);
         let mut work = self.seconds.time("work mesh", make)?;
-        if self.seconds.time("work mesh", || calm(&mut work, self.area / (edge * edge))) {
+        let quads = self.area / (edge * edge);
+        let calm = || calm(&mut work, quads, work_edge, self.options, self.progress);
+        if self.seconds.time("work mesh", calm)? {
             self.warn_of_noise();
         }
         let singularities = on_work_mesh(self.request, &work);

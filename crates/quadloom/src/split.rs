@@ -54,7 +54,6 @@ pub fn split_surface(
     goal: CountGoal,
     progress: &Progress,
 ) -> Result<QuadMesh, RemeshError> {
-    let clock = std::time::Instant::now();
     let reference = Reference::new(mesh, features);
     // 1. A work mesh of the right size.
     let uniform = VertexMap::filled(mesh.vertex_count(), 1.0);
@@ -62,7 +61,6 @@ pub fn split_surface(
     let equilateral = (mesh.area() / pairs_of_quads * 4.0 / 3.0_f64.sqrt()).sqrt();
     let fitted = fit_count(goal, equilateral, |edge| {
         let paired = Paired::new(mesh, features, &uniform, edge, progress)?;
-        eprintln!("DBG fit {edge} {} {:?}", paired.quad_count(), clock.elapsed());
         let quads = paired.quad_count() as f64;
         Ok::<_, RemeshError>(Some(Tried { solution: paired, quads, flaws: 0 }))
     })?;
@@ -72,7 +70,6 @@ pub fn split_surface(
     for round in 0..=REFINEMENTS {
         let quads = finished(&paired.split()?, &reference, progress)?;
         let verification = verify(&quads, &reference);
-        eprintln!("DBG round {round} quads {} inv {} against {} t {:?} first {:?}", quads.face_count(), verification.inverted.len(), verification.against.len(), clock.elapsed(), verification.inverted.iter().chain(&verification.against).next().map(|&f| quads.position(quads.face_vertices(f)[0])));
         if verification.passed() {
             return Ok(quads);
         }
@@ -105,9 +102,7 @@ impl Paired {
         let length = VertexMap::from_fn(mesh.vertex_count(), |v| relative[v] * edge);
         let options = RemeshOptions::default();
         let work = isotropic(mesh, features, TargetLength::PerVertex(&length), &options, progress)?;
-        eprintln!("DBG remeshed {}", work.mesh.face_count());
         let field = smooth_field(&work, progress)?;
-        eprintln!("DBG field");
         let pairing = pair_triangles(&work.mesh, &work.features, field.as_ref());
         Ok(Self { work, pairing })
     }
@@ -214,7 +209,7 @@ fn vertex_placement(mesh: &TriMesh, features: &FeatureGraph, v: VertexId) -> Pla
 
 fn finished(split: &Extraction, reference: &Reference, progress: &Progress) -> Result<QuadMesh, RemeshError> {
     match finish(split, reference, &FinishOptions::default(), progress) {
-        Ok(finished) => { eprintln!("DBG {:?}", finished.report); Ok(finished.mesh) },
+        Ok(finished) => Ok(finished.mesh),
         Err(FinishError::Cancelled(c)) => Err(c.into()),
         Err(other) => Err(no_result("finish", other)),
     }

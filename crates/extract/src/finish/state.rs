@@ -43,13 +43,14 @@ impl<'a> State<'a> {
     ///
     /// # Output     the state, and the number of quads that are bad as they came
     pub fn new(quads: &'a QuadMesh, reference: &'a Reference<'a>, ties: Ties) -> (Self, usize) {
-        let Ties { position: tied, tie, along, .. } = ties;
+        let Ties { position: tied, tie: wanted, along, .. } = ties;
         let position = quads.positions().clone();
+        let tie = VertexMap::from_fn(quads.vertex_count(), |v| wanted[v].off_surface());
         let mut state = Self { quads, reference, position, tie, along, quality: Vec::new() };
         state.quality = (0..quads.face_count()).into_par_iter().map(|f| state.measure(FaceId::new(f))).collect();
         let bad = state.bad_quads();
         let moves: Vec<Option<Move>> =
-            quads.vertices().map(|v| Some(Move { position: tied[v], tie: state.tie[v] })).collect();
+            quads.vertices().map(|v| Some(Move { position: tied[v], tie: wanted[v] })).collect();
         state.advance(&moves, PROJECTED_FLOOR);
         (state, bad)
     }
@@ -85,12 +86,19 @@ impl<'a> State<'a> {
         }
     }
 
-    /// The worst quality of some quads, or any lower bound of `limit` at most if it is not above `limit`.
+    /// The worst scaled Jacobian of some quads, each with its own normal.
+    pub fn worst_jacobian(&self, faces: &[FaceId]) -> f64 {
+        faces.iter().map(|&f| scaled_jacobian(self.corners(f))).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The worst quality of some quads, or an upper bound of it that is not above `limit`.
     pub fn worst_above(&self, faces: &[FaceId], limit: f64) -> f64 {
-        let worst = |measure: &dyn Fn(FaceId) -> f64| faces.iter().map(|&f| measure(f)).fold(f64::INFINITY, f64::min);
         // A quad that faces against the surface is negative, another one has its Jacobian, which costs no query.
-        let bound = if limit >= 0.0 { worst(&|f| scaled_jacobian(self.corners(f))) } else { f64::INFINITY };
-        if bound <= limit { bound } else { worst(&|f| self.measure(f)) }
+        let bound = if limit >= 0.0 { self.worst_jacobian(faces) } else { f64::INFINITY };
+        if bound <= limit {
+            return bound;
+        }
+        faces.iter().map(|&f| self.measure(f)).fold(f64::INFINITY, f64::min)
     }
 
     /// The surface's unit normal at the quad's centre if the quad faces against it.

@@ -15,8 +15,19 @@ pub(crate) enum Tie {
     Fixed,
     /// Along a curve; `arc` is the length from the curve's start, file units.
     Curve { chain: ChainId, arc: f64 },
-    /// On the surface; `face` carries it and has this unit normal.
+    /// On the surface; `face` carries it and has this unit normal. Where the vertex is beside the surface still, `face`
+    /// is near it and the normal is zero.
     Surface { face: FaceId, normal: DVec3 },
+}
+
+impl Tie {
+    /// The same for a vertex that is not there yet.
+    pub fn off_surface(self) -> Self {
+        match self {
+            Self::Surface { face, .. } => Self::Surface { face, normal: DVec3::ZERO },
+            other => other,
+        }
+    }
 }
 
 /// A place for a vertex.

@@ -65,6 +65,9 @@ fn improve(state: &mut State, v: VertexId, faces: &[FaceId]) -> bool {
     let (mut best, mut best_worst) = (start, state.worst_above(faces, f64::NEG_INFINITY));
     let normal = state.vertex_normal(v);
     for displacement in pattern(state, v, normal) {
+        if !promising(state, v, displacement, faces, best_worst) {
+            continue;
+        }
         let Some(there) = state.displaced(v, displacement, normal) else { continue };
         state.put(v, there);
         let found = state.worst_above(faces, best_worst + LEAST_GAIN);
@@ -81,6 +84,22 @@ fn improve(state: &mut State, v: VertexId, faces: &[FaceId]) -> bool {
         }
     }
     moved
+}
+
+/// What projecting a displaced vertex may add to the worst scaled Jacobian around it, by and large.
+const PROJECTION_GAIN: f64 = 0.1;
+
+/// Whether a displacement may improve the worst quad: for vertices on the surface judged before projecting, which costs
+/// a query.
+fn promising(state: &mut State, v: VertexId, displacement: DVec3, faces: &[FaceId], best_worst: f64) -> bool {
+    let start = state.place(v);
+    if best_worst < 0.0 || !matches!(start.tie, Tie::Surface { .. }) {
+        return true;
+    }
+    state.put(v, Move { position: start.position + displacement, ..start });
+    let worst = state.worst_jacobian(faces);
+    state.put(v, start);
+    worst > best_worst - PROJECTION_GAIN
 }
 
 /// Displacements to try: to the mean of the neighbours, and on circles in the tangent plane.
