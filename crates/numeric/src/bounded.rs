@@ -5,9 +5,10 @@
 //! its minimum over the rows to a tolerance; sequential, ties by index. Not guaranteed: that all rows are met, even
 //! where integers exist that meet them; optimality.
 //!
-//! Source: [Bommes2012] §5.2.2 for the order of rounding; the multipliers of the rows by [Hildreth1957].
+//! Source: [Bommes2012] §5.2.2 for the order of rounding; the multipliers of the rows by [LawsonHanson1974] ch. 23.
 
 use crate::rounding::nearest_integer;
+use std::collections::VecDeque;
 
 /// aᵀz ≥ b.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -24,6 +25,11 @@ impl LowerBound {
         self.value(z) < self.least - SLACK
     }
 
+    /// How much is missing; negative where there is some to spare.
+    pub fn shortfall(&self, z: &[f64]) -> f64 {
+        self.least - self.value(z)
+    }
+
     fn value(&self, z: &[f64]) -> f64 {
         self.terms.iter().map(|&(i, c)| c * z[i as usize]).sum()
     }
@@ -35,10 +41,11 @@ const SLACK: f64 = 1e-4;
 /// A row that the fixed integers determine to this variance is constant.
 const CONSTANT: f64 = 1e-9;
 
-/// Sweeps over the multipliers after one rounding; more of them hardly change what is rounded next.
-const SWEEPS: usize = 200;
+/// Relative addition to the rows' own coupling: rows that depend on each other stay solvable, and those that exclude
+/// each other show as missed.
+const REGULARISATION: f64 = 1e-9;
 
-/// A row missed by more than this after all sweeps is taken for one that cannot be met.
+/// A row missed by more than this at the optimum is taken for one that cannot be met.
 const HOPELESS: f64 = 0.05;
 
 /// Nearer to an integer than this counts as being one: no other value is tried.
@@ -70,15 +77,16 @@ struct Active {
 
 /// Rounds all integers, nearest first, so that no row is missed where that can be helped.
 ///
-/// # Input      covariance: S⁻¹, k × k, row by row; relaxed: z*
-/// # Output     the integers, and the rows they miss, ascending; `None` where cancelled
-/// # Cost       k³ multiplications, and per rounding a few hundred sweeps over the rows in force
+/// # Input      covariance: S⁻¹, k × k, row by row; relaxed: z*; kept: integers whose values are given
+/// # Output     the integers; `None` where cancelled
+/// # Cost       k³ multiplications, and per rounding a few factorisations over the rows in force
 pub(crate) fn round_bounded(
     covariance: Vec<f64>,
     relaxed: &[f64],
     rows: &[LowerBound],
+    kept: &[(usize, f64)],
     cancelled: &dyn Fn() -> bool,
-) -> Option<(Vec<f64>, Vec<usize>)> {
+) -> Option<Vec<f64>> {
     let mut state = State {
         covariance,
         unbounded: relaxed.to_vec(),
@@ -87,30 +95,56 @@ pub(crate) fn round_bounded(
         active: Vec::new(),
         coupling: Vec::new(),
     };
+    kept.iter().for_each(|&(j, value)| state.condition(j, value));
     state.settle(rows);
+    let mut open: VecDeque<Decision> = VecDeque::new();
+    let mut returns = 0;
     while let Some(j) = state.nearest() {
         if cancelled() {
             return None;
         }
-        let z = state.z[j];
-        let nearest = nearest_integer(z);
-        if (z - nearest).abs() < NEAR_INTEGER || rows.is_empty() {
-            state.fix(j, nearest, rows);
+        let (z, value) = (state.z[j], nearest_integer(state.z[j]));
+        if (z - value).abs() < NEAR_INTEGER || rows.is_empty() || returns >= MOST_RETURNS {
+            state.fix(j, value, rows);
             continue;
         }
-        // The nearest integer, unless only the other one leaves the rows a way.
+        // The nearest integer; if that leaves the rows no way, the other one; if that does not either, the other one of
+        // the latest decision that has one.
         let before = state.clone();
-        if state.fix(j, nearest, rows) > HOPELESS {
-            let mut other = before;
-            let missed = other.fix(j, if nearest > z { nearest - 1.0 } else { nearest + 1.0 }, rows);
-            if missed <= HOPELESS {
-                state = other;
+        let other = if value > z { value - 1.0 } else { value + 1.0 };
+        if state.fix(j, value, rows) <= HOPELESS {
+            open.push_back(Decision { before, integer: j, other });
+            if open.len() > MOST_OPEN {
+                open.pop_front();
             }
+            continue;
+        }
+        let mut way = before.tried(j, other, rows);
+        while way.is_none() && returns < MOST_RETURNS {
+            let Some(decision) = open.pop_back() else { break };
+            returns += 1;
+            way = decision.before.tried(decision.integer, decision.other, rows);
+        }
+        match way {
+            Some(found) => state = found,
+            None => returns = MOST_RETURNS,
         }
     }
-    let missed = (0..rows.len()).filter(|&r| rows[r].is_missed(&state.z)).collect();
-    Some((state.z, missed))
+    Some(state.z.iter().map(|z| z.round()).collect())
 }
+
+/// A rounding that can be taken back.
+struct Decision {
+    before: State,
+    integer: usize,
+    other: f64,
+}
+
+/// Decisions that can still be taken back: each holds k² numbers.
+const MOST_OPEN: usize = 24;
+
+/// Decisions that are taken back in all; then roundings are accepted as they come, and rows are missed.
+const MOST_RETURNS: usize = 48;
 
 impl State {
     fn len(&self) -> usize {
@@ -125,8 +159,19 @@ impl State {
             .min_by(|a, b| (deviation(a) / SLACK).round().total_cmp(&(deviation(b) / SLACK).round()).then(a.cmp(b)))
     }
 
+    /// The state after a fixing that leaves all rows a way.
+    fn tried(mut self, j: usize, value: f64, rows: &[LowerBound]) -> Option<Self> {
+        (self.fix(j, value, rows) <= HOPELESS).then_some(self)
+    }
+
     /// Fixes an integer; returns by how much the worst row is missed.
     fn fix(&mut self, j: usize, value: f64, rows: &[LowerBound]) -> f64 {
+        self.condition(j, value);
+        self.settle(rows)
+    }
+
+    /// Fixes an integer and moves the others to their optimum without the rows.
+    fn condition(&mut self, j: usize, value: f64) {
         let k = self.len();
         let column: Vec<f64> = (0..k).map(|i| self.covariance[i * k + j]).collect();
         let pivot = column[j];
@@ -151,13 +196,12 @@ impl State {
             }
         }
         self.unbounded[j] = value;
-        self.settle(rows)
     }
 
     /// Multipliers of all rows at the given fixings; returns by how much the worst row is missed.
     fn settle(&mut self, rows: &[LowerBound]) -> f64 {
         loop {
-            self.sweep(rows);
+            self.multiply(rows);
             self.place();
             // Rows that have come to be missed join in.
             let missed = |r: usize| rows[r].least - rows[r].value(&self.z);
@@ -191,35 +235,81 @@ impl State {
         self.active.push(Active { row, multiplier: 0.0, response });
     }
 
-    /// Gauss-Seidel on the multipliers, each at least 0.
-    fn sweep(&mut self, rows: &[LowerBound]) {
+    /// Multipliers of the active rows, each at least 0: an active-set method on the dual, started from the last one.
+    fn multiply(&mut self, rows: &[LowerBound]) {
         let m = self.active.len();
-        // How much each row is missed at the current multipliers.
-        let mut missing: Vec<f64> = (0..m)
-            .map(|i| {
-                let row = &rows[self.active[i].row as usize];
-                let moved: f64 = (0..m).map(|j| self.coupling[i][j] * self.active[j].multiplier).sum();
-                row.least - row.value(&self.unbounded) - moved
-            })
+        // How much each row is missed without multipliers.
+        let missing: Vec<f64> = self
+            .active
+            .iter()
+            .map(|a| rows[a.row as usize].least - rows[a.row as usize].value(&self.unbounded))
             .collect();
-        for _ in 0..SWEEPS {
-            let mut largest = 0.0f64;
-            for i in 0..m {
-                let own = self.coupling[i][i];
-                if own < CONSTANT {
-                    continue;
-                }
-                let step = (missing[i] / own).max(-self.active[i].multiplier);
-                if step != 0.0 {
-                    self.active[i].multiplier += step;
-                    largest = largest.max((step * own).abs());
-                    missing.iter_mut().zip(&self.coupling[i]).for_each(|(s, h)| *s -= step * h);
-                }
+        let mut multiplier: Vec<f64> = self.active.iter().map(|a| a.multiplier).collect();
+        let movable = |i: usize| self.coupling[i][i] >= CONSTANT;
+        let mut pushing: Vec<usize> = (0..m).filter(|&i| multiplier[i] > 0.0 && movable(i)).collect();
+        for _ in 0..3 * m + 10 {
+            // 1. The pushing rows at equality; back to the first multiplier that would turn negative.
+            let target = self.solve_for(&pushing, &missing);
+            let step = pushing
+                .iter()
+                .zip(&target)
+                .filter(|(_, t)| **t < 0.0)
+                .map(|(&i, t)| multiplier[i] / (multiplier[i] - t))
+                .fold(1.0, f64::min);
+            for (&i, t) in pushing.iter().zip(&target) {
+                multiplier[i] += step * (t - multiplier[i]);
             }
-            if largest < 0.1 * SLACK {
-                break;
+            if step < 1.0 {
+                for &i in &pushing {
+                    if multiplier[i] <= 1e-12 {
+                        multiplier[i] = 0.0;
+                    }
+                }
+                pushing.retain(|&i| multiplier[i] > 0.0);
+                continue;
+            }
+            // 2. The row that is missed most pushes too.
+            let left =
+                |i: usize| missing[i] - pushing.iter().map(|&j| self.coupling[i][j] * multiplier[j]).sum::<f64>();
+            let next = (0..m)
+                .filter(|i| movable(*i) && !pushing.contains(i))
+                .map(|i| (left(i), i))
+                .filter(|(missed, _)| *missed > 0.5 * SLACK)
+                .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+            match next {
+                Some((_, i)) => pushing.push(i),
+                None => break,
             }
         }
+        for (i, active) in self.active.iter_mut().enumerate() {
+            active.multiplier = if pushing.contains(&i) { multiplier[i].max(0.0) } else { 0.0 };
+        }
+    }
+
+    /// Multipliers of some rows that bring all of them to equality, by Cholesky factorisation of their coupling.
+    fn solve_for(&self, pushing: &[usize], missing: &[f64]) -> Vec<f64> {
+        let n = pushing.len();
+        let mut l = vec![0.0; n * n];
+        let mut x: Vec<f64> = pushing.iter().map(|&i| missing[i]).collect();
+        for i in 0..n {
+            for j in 0..=i {
+                let sum: f64 = (0..j).map(|t| l[i * n + t] * l[j * n + t]).sum();
+                let own = self.coupling[pushing[i]][pushing[j]];
+                l[i * n + j] = match i == j {
+                    true => (own * (1.0 + REGULARISATION) - sum).max(REGULARISATION * own).sqrt(),
+                    false => (own - sum) / l[j * n + j],
+                };
+            }
+        }
+        for i in 0..n {
+            let sum: f64 = (0..i).map(|t| l[i * n + t] * x[t]).sum();
+            x[i] = (x[i] - sum) / l[i * n + i];
+        }
+        for i in (0..n).rev() {
+            let sum: f64 = (i + 1..n).map(|t| l[t * n + i] * x[t]).sum();
+            x[i] = (x[i] - sum) / l[i * n + i];
+        }
+        x
     }
 
     fn place(&mut self) {
@@ -299,12 +389,9 @@ mod tests {
                     LowerBound { terms, least: (value + slack).round() }
                 })
                 .collect();
-            let (z, missed) = round_bounded(inverse(&s), &relaxed, &rows, &|| false).expect("not cancelled");
+            let z = round_bounded(inverse(&s), &relaxed, &rows, &[], &|| false).expect("not cancelled");
             prop_assert!(z.iter().all(|x| *x == x.round()));
-            for (r, row) in rows.iter().enumerate() {
-                prop_assert_eq!(missed.contains(&r), row.value(&z) < row.least - SLACK);
-            }
-            if missed.is_empty() && let Some(least) = least_energy(&s, &relaxed, &rows) {
+            if !rows.iter().any(|row| row.is_missed(&z)) && let Some(least) = least_energy(&s, &relaxed, &rows) {
                 prop_assert!(energy(&s, &relaxed, &z) >= least - 1e-9);
             }
         }
@@ -321,8 +408,10 @@ mod tests {
             let value: f64 = terms.iter().map(|&(i, c)| c * relaxed[i as usize]).sum();
             let rows = [LowerBound { terms, least: value.round() + f64::from(above) }];
             let unit = vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
-            let (_, missed) = round_bounded(unit, &relaxed, &rows, &|| false).expect("not cancelled");
-            prop_assert!(missed.is_empty());
+            let z = round_bounded(unit.clone(), &relaxed, &rows, &[], &|| false).expect("not cancelled");
+            prop_assert!(!rows[0].is_missed(&z));
+            let kept = round_bounded(unit, &relaxed, &rows, &[(1, 7.0)], &|| false).expect("not cancelled");
+            prop_assert_eq!(kept[1], 7.0);
         }
     }
 }

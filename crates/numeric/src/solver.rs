@@ -638,14 +638,21 @@ impl IntegerProblem<'_> {
 
     /// Greedy rounding under lower bounds.
     ///
-    /// # Input      bounds: over the free integers, as from [`IntegerProblem::over_integers`]
-    /// # Output     the free integers, and the bounds that they miss, ascending
+    /// # Input      bounds: over the free integers, as from [`IntegerProblem::over_integers`]; kept: free integers whose
+    /// values are given
+    /// # Output     the free integers
     /// # Errors     cancellation
     /// # Cost       k³ for k integers
-    /// # Guarantees integers; not that all bounds are met
-    pub fn round(&self, bounds: &[LowerBound], options: &SolveOptions) -> Result<(Vec<f64>, Vec<usize>), SolveError> {
+    /// # Guarantees integers; not that all bounds are met, see [`LowerBound::is_missed`]
+    pub fn round(
+        &self,
+        bounds: &[LowerBound],
+        kept: &[(usize, f64)],
+        options: &SolveOptions,
+    ) -> Result<Vec<f64>, SolveError> {
         let cancelled = || options.cancelled.is_some_and(|cancelled| cancelled());
-        round_bounded(self.covariance.clone(), &self.relaxed, bounds, &cancelled).ok_or(SolveError::Cancelled)
+        let covariance = self.covariance.clone();
+        round_bounded(covariance, &self.relaxed, bounds, kept, &cancelled).ok_or(SolveError::Cancelled)
     }
 
     /// All variables at the optimum for given values of the free integers.

@@ -36,7 +36,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let length = metric::edge_lengths(&mesh);
         let transport = Transport::new(&mesh, &length);
         let constraints = FieldConstraints::from_features(&mesh, &transport, &length, &features);
-        let field_options = FieldOptions { cancel_distance: 1.5 * edge, crowding_cost: std::env::var("CROWD").map_or(0.5, |x| x.parse().unwrap_or(0.5)), ..Default::default() };
+        let field_options = FieldOptions {
+            cancel_distance: 1.5 * edge,
+            crowding_cost: std::env::var("CROWD").map_or(0.5, |x| x.parse().unwrap_or(0.5)),
+            ..Default::default()
+        };
         let (field, field_report): (CrossField, _) =
             solve_open_field(&mesh, &transport, &length, &features, &constraints.0, &field_options, &progress)?;
         let singular = field.singularities(&mesh, &transport).len();

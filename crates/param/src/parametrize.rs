@@ -202,12 +202,8 @@ impl<'a> Parametrizer<'a> {
         if !inverted.is_empty() {
             progress.check()?;
             let mut second = report.clone();
-            if let Some(mut other) = self.separated(&gradient, options, &mut second, progress)? {
-                second.untangle = untangle(self.mesh, &mut other, &gradient, &options.untangle, progress);
+            if let Some(other) = self.separated(&gradient, options, &mut second, progress)? {
                 let still = other.folded_faces(self.mesh);
-                if let Some(separation) = &mut second.separation {
-                    separation.inverted = [second.untangle.inverted_before, still.len()];
-                }
                 report.separation = second.separation.clone();
                 if still.len() < inverted.len() {
                     second.rung = Rung::Separated;
@@ -345,11 +341,66 @@ impl<'a> Parametrizer<'a> {
         progress.check()?;
         let Some(z) = found else { return Ok(None) };
         let x = problem.complete(&z).map_err(failed)?;
-        let mut map = PlacedMap::new(self.mesh, &self.charts, &x, GRID_UNIT).map_err(ParamError::Placement)?;
-        self.follow(&mut map, &seamless, gradient);
-        Ok(Some(map))
+        let start = PlacedMap::new(self.mesh, &self.charts, &x, GRID_UNIT).map_err(ParamError::Placement)?;
+        // 4. Points at these integers.
+        Ok(Some(self.follow(start, &seamless, gradient, options, report, progress)))
+    }
+
+    /// Gives a map Jacobians near those of a fold-free one, which keeps it nearly fold-free at its own integers, and
+    /// untangles it; where folds remain, the same with larger weights around them.
+    ///
+    /// # Output     the map with the fewest folds
+    fn follow(
+        &self,
+        start: PlacedMap,
+        model: &PlacedMap,
+        gradient: &FaceMap<FaceGradient>,
+        options: &ParamOptions,
+        report: &mut ParamReport,
+        progress: &Progress,
+    ) -> PlacedMap {
+        let target = FaceMap::from_fn(self.mesh.face_count(), |f| jacobian(&gradient[f], model.face(self.mesh, f)));
+        // Thin triangles weigh more: a face of Jacobian J gets weight 1/σ_min(J)², at most 1e4.
+        let mut weight = target.map(|j| {
+            let norm: f64 = j.as_flattened().iter().map(|x| x * x).sum();
+            let determinant = (j[0][0] * j[1][1] - j[0][1] * j[1][0]).abs();
+            // σ_min = det/σ_max and σ_max² ≤ |J|².
+            (norm / (determinant * determinant).max(f64::MIN_POSITIVE)).clamp(1.0, 1e4)
+        });
+        let isotropic = EnergyOptions { anisotropy: 1.0 };
+        let mut solver = PlacedSolver::new(self.mesh, &start);
+        let mut best: Option<(usize, PlacedMap)> = None;
+        for round in 0..FOLLOWING_ROUNDS {
+            let mut map = start.clone();
+            solver.approach(self.mesh, &mut map, gradient, &weight, &isotropic, |f| target[f]);
+            let folded = map.folded_faces(self.mesh);
+            let untangled = untangle(self.mesh, &mut map, gradient, &options.untangle, progress);
+            let left = map.folded_faces(self.mesh);
+            for f in folded.iter().chain(&left) {
+                self.mesh.face_vertices(*f).iter().flat_map(|v| self.mesh.outgoing(*v)).for_each(|h| {
+                    let w = &mut weight[self.mesh.face(h)];
+                    *w = (*w * options.stiffen.fan_factor).min(1e6);
+                });
+            }
+            let count = left.len();
+            if best.as_ref().is_none_or(|b| count < b.0) {
+                best = Some((count, map));
+                report.untangle = untangled;
+                if let Some(separation) = &mut report.separation {
+                    separation.inverted = [folded.len(), count];
+                    separation.followings = round + 1;
+                }
+            }
+            if count == 0 || progress.cancelled() {
+                break;
+            }
+        }
+        best.map_or(start, |b| b.1)
     }
 }
+
+/// Attempts at points for separated integers; the first one suffices for most maps.
+const FOLLOWING_ROUNDS: u32 = 4;
 
 /// Entries of the reduced matrix, before equal ones are summed, that may be stored: about 2.5 GB at 24 bytes.
 ///
@@ -379,23 +430,6 @@ const MAX_NAMED_FACES: usize = 20;
 /// More: rounding moves singular vertices less (2^-16 of a quad edge is far below any triangle's height); fewer would
 /// leave more lattice digits below it, which it does not need.
 const SEAMLESS_BITS: u32 = 16;
-
-impl Parametrizer<'_> {
-    /// Gives a map Jacobians near those of a fold-free one, which keeps it nearly fold-free at its own integers.
-    ///
-    /// Thin triangles weigh more: a face of Jacobian J gets weight 1/σ_min(J)², at most 1e4.
-    fn follow(&self, map: &mut PlacedMap, model: &PlacedMap, gradient: &FaceMap<FaceGradient>) {
-        let target = FaceMap::from_fn(self.mesh.face_count(), |f| jacobian(&gradient[f], model.face(self.mesh, f)));
-        let weight = target.map(|j| {
-            let norm: f64 = j.as_flattened().iter().map(|x| x * x).sum();
-            let determinant = (j[0][0] * j[1][1] - j[0][1] * j[1][0]).abs();
-            // σ_min = det/σ_max and σ_max² ≤ |J|².
-            (norm / (determinant * determinant).max(f64::MIN_POSITIVE)).clamp(1.0, 1e4)
-        });
-        let isotropic = EnergyOptions { anisotropy: 1.0 };
-        PlacedSolver::new(self.mesh, map).approach(self.mesh, map, gradient, &weight, &isotropic, |f| target[f]);
-    }
-}
 
 fn solve_error(error: SolveError, progress: &Progress) -> ParamError {
     match progress.check() {

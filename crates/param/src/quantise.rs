@@ -15,13 +15,13 @@ use std::collections::BTreeMap;
 /// How long separation goes on.
 #[derive(Clone, Debug)]
 pub struct SeparationOptions {
-    /// Most roundings. Default 40; each adds the paths that collapsed so far, and few maps need more than ten.
+    /// Most rounds: paths that are added, or integers that are chosen again. Default 60; few maps need more than ten.
     pub rounds: u32,
 }
 
 impl Default for SeparationOptions {
     fn default() -> Self {
-        Self { rounds: 40 }
+        Self { rounds: 60 }
     }
 }
 
@@ -38,6 +38,8 @@ pub struct SeparationReport {
     pub violated: usize,
     /// Inverted faces of the map at the separated integers, before and after untangling.
     pub inverted: [usize; 2],
+    /// Attempts at points for these integers up to the one that was kept.
+    pub followings: u32,
     /// Inverted faces of the seamless map; where there are any, nothing was traced.
     pub seamless_inverted: usize,
     /// The first of them.
@@ -109,41 +111,80 @@ pub fn separate(
     });
     let first = rows.len();
     let mut margin = vec![0.0; first];
-    // 2. No path between places that must differ collapses.
+    let mut z = problem.round(&rows, &[], solve)?;
+    let mut reach = 1;
     while report.rounds < options.rounds {
         report.rounds += 1;
         report.prescribed = rows.len() - first;
-        let wanted: Vec<LowerBound> =
-            rows.iter().zip(&margin).map(|(r, m)| LowerBound { least: r.least + m, ..r.clone() }).collect();
-        let (z, _) = problem.round(&wanted, solve)?;
-        // 3. Rows that rounding misses get a margin; without it the same integers would come again.
         let missed: Vec<usize> = (0..rows.len()).filter(|&r| rows[r].is_missed(&z)).collect();
         report.violated = missed.len();
-        if !missed.is_empty() {
-            if missed.iter().all(|&r| margin[r] >= LARGEST_MARGIN) {
+        if missed.is_empty() {
+            // 2. No path between places that must differ collapses.
+            let collapsed = collapsed_paths(tmesh, &lengths.values(&z));
+            report.violated = collapsed.len();
+            if collapsed.is_empty() {
+                return Ok((Some(z), report));
+            }
+            let before = rows.len();
+            for row in collapsed.iter().filter_map(|path| lengths.bound(path, 1.0)) {
+                if !rows[first..].contains(&row) {
+                    rows.push(row);
+                    margin.push(0.0);
+                }
+            }
+            if rows.len() == before {
                 break;
             }
-            missed.into_iter().for_each(|r| margin[r] += MARGIN_STEP);
+            reach = 1;
             continue;
         }
-        let collapsed = collapsed_paths(tmesh, &lengths.values(&z));
-        report.violated = collapsed.len();
-        if collapsed.is_empty() {
-            return Ok((Some(z), report));
-        }
-        let before = rows.len();
-        for row in collapsed.iter().filter_map(|path| lengths.bound(path, 1.0)) {
-            if !rows[first..].contains(&row) {
-                rows.push(row);
-                margin.push(0.0);
+        // 3. Missed rows: the integers around them are chosen again.
+        let shortfall = |z: &[f64]| rows.iter().map(|r| r.shortfall(z).max(0.0)).sum::<f64>();
+        if reach <= LARGEST_REACH {
+            let kept = far_integers(&rows, &missed, &z, reach);
+            let other = problem.round(&rows, &kept, solve)?;
+            if shortfall(&other) < shortfall(&z) - 0.5 {
+                z = other;
+                reach = 1;
+            } else {
+                reach += 1;
             }
+            continue;
         }
-        if rows.len() == before {
+        // 4. Where that does not help, all of them, with a margin for the rows that rounding misses.
+        if missed.iter().all(|&r| margin[r] >= LARGEST_MARGIN) {
             break;
         }
+        missed.into_iter().for_each(|r| margin[r] += MARGIN_STEP);
+        let wanted: Vec<LowerBound> =
+            rows.iter().zip(&margin).map(|(r, m)| LowerBound { least: r.least + m, ..r.clone() }).collect();
+        z = problem.round(&wanted, &[], solve)?;
+        reach = 1;
     }
     Ok((None, report))
 }
+
+/// The integers, with their values, that are not within `reach` rows of the missed ones.
+///
+/// Only rows that a unit more or less would break tie integers to each other.
+fn far_integers(rows: &[LowerBound], missed: &[usize], z: &[f64], reach: u32) -> Vec<(usize, f64)> {
+    let mut near = vec![false; z.len()];
+    missed.iter().flat_map(|&r| &rows[r].terms).for_each(|t| near[t.0 as usize] = true);
+    for _ in 1..reach {
+        let mut next = near.clone();
+        for row in rows.iter().filter(|r| r.shortfall(z) > -TIGHT && r.terms.iter().any(|t| near[t.0 as usize])) {
+            row.terms.iter().for_each(|t| next[t.0 as usize] = true);
+        }
+        near = next;
+    }
+    (0..z.len()).filter(|&i| !near[i]).map(|i| (i, z[i])).collect()
+}
+
+/// A row with no more than this to spare, in quads, ties its integers to each other.
+const TIGHT: f64 = 1.5;
+
+/// Rows from the missed ones within which integers are chosen again before all are.
+const LARGEST_REACH: u32 = 3;
 
 /// Paths of zero arcs that join two places which must differ.
 ///
