@@ -18,6 +18,7 @@
 use crate::cross_field::CrossField;
 use crate::error::FieldError;
 use crate::loops::homology_loops;
+use crate::solve::FieldOptions;
 use crate::system::{SmoothnessSystem, neighbours};
 use crate::transport::Transport;
 use quadloom_mesh::{EdgeId, EdgeMap, FaceId, FaceMap, Progress, TriConnectivity, VertexId, VertexMap};
@@ -64,28 +65,15 @@ pub(crate) fn beside(mesh: &TriConnectivity, on_curve: &VertexMap<bool>) -> Vert
     VertexMap::from_fn(mesh.vertex_count(), |v| !on_curve[v] && mesh.neighbours(v).any(|w| on_curve[w]))
 }
 
-/// Weights of the search's objective.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SearchOptions {
-    /// Energy per quarter of index.
-    pub singularity_cost: f64,
-    /// Pairs closer than this are joined if the energy rises by at most `near_pair_cost`.
-    pub cancel_distance: f64,
-    /// See there.
-    pub near_pair_cost: f64,
-    /// Pairs farther apart than this are not tried.
-    pub reach: f64,
-    /// Energy per quarter of index beside a curve, on top of `singularity_cost`.
-    pub crowding_cost: f64,
-}
-
 /// Period jumps with their optimal angles.
 pub(crate) struct Search<'a> {
     mesh: &'a TriConnectivity,
     transport: &'a Transport,
     length: &'a EdgeMap<f64>,
     system: &'a SmoothnessSystem<'a>,
-    options: SearchOptions,
+    options: &'a FieldOptions,
+    /// Edges whose jump stays.
+    kept: EdgeMap<bool>,
     /// Vertices of equal group may exchange index: 0 is free, others have prescribed sums.
     group: VertexMap<u32>,
     /// Price of a quarter of index at each vertex; 0 on the boundary, where indices are not counted.
@@ -121,8 +109,10 @@ impl<'a> Search<'a> {
         group: VertexMap<u32>,
         period_jump: EdgeMap<i32>,
         crowded: &VertexMap<bool>,
-        options: SearchOptions,
+        options: &'a FieldOptions,
     ) -> Self {
+        let mut kept = EdgeMap::filled(mesh.edge_count(), false);
+        options.kept.iter().for_each(|&e| kept[e] = true);
         let price = VertexMap::from_fn(mesh.vertex_count(), |v| match mesh.is_boundary_vertex(v) {
             true => 0.0,
             false => options.singularity_cost + if crowded[v] { options.crowding_cost } else { 0.0 },
@@ -133,6 +123,7 @@ impl<'a> Search<'a> {
             length,
             system,
             options,
+            kept,
             group,
             price,
             field: CrossField { angle: FaceMap::filled(0, 0.0), period_jump },
@@ -162,7 +153,8 @@ impl<'a> Search<'a> {
 
     /// Moves and cancels until neither helps.
     pub fn run(&mut self, progress: &Progress) -> Result<(), FieldError> {
-        let loops = homology_loops(self.mesh, self.length);
+        let mut loops = homology_loops(self.mesh, self.length);
+        loops.retain(|path| path.iter().all(|(e, _)| !self.kept[*e]));
         self.twist_loops(&loops, progress)?;
         // Each round ends with fewer pairs; the limit only guards against rounding errors.
         for _ in 0..20 {
@@ -267,7 +259,8 @@ impl<'a> Search<'a> {
     fn is_passable(&self, e: EdgeId) -> bool {
         let (i, j) = self.mesh.edge_faces(e);
         let [a, b] = self.mesh.ends(e);
-        j.is_some_and(|j| self.system.is_free(i) || self.system.is_free(j)) && self.group[a] == self.group[b]
+        let is_free = j.is_some_and(|j| self.system.is_free(i) || self.system.is_free(j));
+        is_free && !self.kept[e] && self.group[a] == self.group[b]
     }
 }
 
@@ -607,7 +600,7 @@ impl Search<'_> {
     /// Whether an edge's jump is free to change, whatever the groups of its ends.
     fn is_crossable(&self, e: EdgeId) -> bool {
         let (i, j) = self.mesh.edge_faces(e);
-        j.is_some_and(|j| self.system.is_free(i) || self.system.is_free(j))
+        !self.kept[e] && j.is_some_and(|j| self.system.is_free(i) || self.system.is_free(j))
     }
 
     fn transfer(&self, from: VertexId, to: VertexId, via: &VertexMap<Option<EdgeId>>, length: f64) -> Transfer {

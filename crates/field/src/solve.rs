@@ -15,12 +15,12 @@ use crate::constraints::{FieldConstraints, SoftDirection};
 use crate::cross_field::{CrossField, nearest_jump};
 use crate::error::FieldError;
 use crate::mixed_integer::mixed_integer_jumps;
-use crate::search::{Search, SearchOptions, beside, index_groups};
+use crate::search::{Search, beside, index_groups};
 use crate::smoothest::{COARSEST, smoothest_angles};
 use crate::system::{Roots, SmoothnessSystem};
 use crate::transport::Transport;
 use quadloom_mesh::topology::components;
-use quadloom_mesh::{DVec2, EdgeMap, FaceId, FaceMap, Progress, TriConnectivity, VertexId, VertexMap};
+use quadloom_mesh::{DVec2, EdgeId, EdgeMap, FaceId, FaceMap, Progress, TriConnectivity, VertexId, VertexMap};
 use quadloom_numeric::{Rounding, SolveReport};
 use std::f64::consts::FRAC_PI_2;
 use std::time::Instant;
@@ -59,6 +59,10 @@ pub struct FieldOptions {
     pub clear_of: Vec<VertexId>,
     /// Energy per quarter of index next to a curve, radians², on top of `singularity_cost`.
     pub crowding_cost: f64,
+    /// Period jumps to start from, in place of `start`. Default: none.
+    pub start_from: Option<EdgeMap<i32>>,
+    /// Edges whose period jump stays what it is at the start. Default: none.
+    pub kept: Vec<EdgeId>,
 }
 
 impl Default for FieldOptions {
@@ -72,6 +76,8 @@ impl Default for FieldOptions {
             reach: f64::INFINITY,
             clear_of: Vec::new(),
             crowding_cost: 0.5,
+            start_from: None,
+            kept: Vec::new(),
         }
     }
 }
@@ -130,8 +136,10 @@ pub fn solve_cross_field(
     let mut roots = Roots::new(mesh, constraints);
     report.anchors = roots.anchors.clone();
     // 2. Start.
-    let (period_jump, rounded) =
-        start_jumps(mesh, transport, length, &mut roots, constraints, options.start, progress)?;
+    let (period_jump, rounded) = match &options.start_from {
+        Some(jumps) => (jumps.clone(), None),
+        None => start_jumps(mesh, transport, length, &mut roots, constraints, options.start, progress)?,
+    };
     report.rounding = rounded;
     let system = SmoothnessSystem::new(mesh, transport, roots.clone())?;
     report.free_faces = system.free_faces();
@@ -140,7 +148,7 @@ pub fn solve_cross_field(
     let crowded = beside(mesh, &on_curve);
     let begin = |jumps| {
         let groups = index_groups(mesh, constraints.index_sums());
-        Search::new(mesh, transport, length, &system, groups, jumps, &crowded, options.into())
+        Search::new(mesh, transport, length, &system, groups, jumps, &crowded, options)
     };
     let mut search = begin(period_jump);
     // 3. Prescriptions, which the smoothest start does not know.
@@ -200,18 +208,6 @@ fn start_jumps(
 fn are_disjoint(mesh: &TriConnectivity, sums: &[(&[VertexId], i32)]) -> bool {
     let mut seen = VertexMap::filled(mesh.vertex_count(), false);
     sums.iter().flat_map(|(list, _)| list.iter()).all(|&v| !std::mem::replace(&mut seen[v], true))
-}
-
-impl From<&FieldOptions> for SearchOptions {
-    fn from(options: &FieldOptions) -> Self {
-        Self {
-            singularity_cost: options.singularity_cost,
-            cancel_distance: options.cancel_distance,
-            near_pair_cost: options.near_pair_cost,
-            reach: options.reach,
-            crowding_cost: options.crowding_cost,
-        }
-    }
 }
 
 /// Adds to all angles of each anchored component the one that brings its crosses nearest to the preferred directions:

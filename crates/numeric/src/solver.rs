@@ -572,6 +572,9 @@ pub struct IntegerProblem<'a> {
     number: Vec<Option<u32>>,
     /// Lower factor of the Schur complement.
     factor: faer::Mat<f64>,
+    /// The Schur complement, row by row, lower triangle.
+    precision: Vec<f64>,
+    /// Its inverse.
     covariance: Vec<f64>,
     relaxed: Vec<f64>,
     y: Vec<f64>,
@@ -602,11 +605,36 @@ impl Solver {
         let factor = analysis.cholesky.trailing_block();
         let relaxed: Vec<f64> = integers.iter().map(|&i| y[i as usize]).collect();
         let covariance = inverse_from_factor(&factor);
+        let precision = product_of_factor(&factor);
         let mut number = vec![None; y.len()];
         integers.iter().zip(0..).for_each(|(&at, k)| number[at as usize] = Some(k));
         let cholesky = analysis.cholesky;
-        Ok(IntegerProblem { solver: self, substitution, cholesky, integers, number, factor, covariance, relaxed, y })
+        Ok(IntegerProblem {
+            solver: self,
+            substitution,
+            cholesky,
+            integers,
+            number,
+            factor,
+            precision,
+            covariance,
+            relaxed,
+            y,
+        })
     }
+}
+
+/// L·Lᵀ, row by row; only the lower triangle is filled.
+fn product_of_factor(factor: &faer::Mat<f64>) -> Vec<f64> {
+    let k = factor.nrows();
+    let rows: Vec<Vec<f64>> = (0..k).map(|i| (0..=i).map(|j| factor[(i, j)]).collect()).collect();
+    let mut product = vec![0.0; k * k];
+    for i in 0..k {
+        for j in 0..=i {
+            product[i * k + j] = rows[i].iter().zip(&rows[j]).map(|(a, b)| a * b).sum();
+        }
+    }
+    product
 }
 
 impl IntegerProblem<'_> {
@@ -651,8 +679,44 @@ impl IntegerProblem<'_> {
         options: &SolveOptions,
     ) -> Result<Vec<f64>, SolveError> {
         let cancelled = || options.cancelled.is_some_and(|cancelled| cancelled());
-        let covariance = self.covariance.clone();
-        round_bounded(covariance, &self.relaxed, bounds, kept, &cancelled).ok_or(SolveError::Cancelled)
+        if kept.is_empty() {
+            let covariance = self.covariance.clone();
+            return round_bounded(covariance, &self.relaxed, bounds, &cancelled).ok_or(SolveError::Cancelled);
+        }
+        // 1. The problem over the others: the kept ones move their optimum.
+        let k = self.len();
+        let mut values = vec![None; k];
+        kept.iter().for_each(|&(i, value)| values[i] = Some(value));
+        let free: Vec<usize> = (0..k).filter(|&i| values[i].is_none()).collect();
+        if free.is_empty() {
+            return Ok(values.into_iter().flatten().collect());
+        }
+        let precision = |i: usize, j: usize| self.precision[i.max(j) * k + i.min(j)];
+        let own = faer::Mat::from_fn(free.len(), free.len(), |i, j| precision(free[i], free[j]));
+        let factor = own.llt(faer::Side::Lower).map_err(|_| SolveError::TooLarge)?.L().to_owned();
+        let covariance = inverse_from_factor(&factor);
+        let pull: Vec<f64> = free
+            .iter()
+            .map(|&i| kept.iter().map(|&(j, value)| precision(i, j) * (value - self.relaxed[j])).sum())
+            .collect();
+        let n = free.len();
+        let relaxed: Vec<f64> = (0..n)
+            .map(|i| self.relaxed[free[i]] - (0..n).map(|j| covariance[i * n + j] * pull[j]).sum::<f64>())
+            .collect();
+        // 2. The bounds over the others.
+        let mut number = vec![None; k];
+        free.iter().zip(0u32..).for_each(|(&i, n)| number[i] = Some(n));
+        let rest = |bound: &LowerBound| {
+            let terms: Vec<(u32, f64)> =
+                bound.terms.iter().filter_map(|&(i, c)| Some((number[i as usize]?, c))).collect();
+            let known: f64 = bound.terms.iter().filter_map(|&(i, c)| Some(c * values[i as usize]?)).sum();
+            (!terms.is_empty()).then(|| LowerBound { terms, least: bound.least - known })
+        };
+        let bounds: Vec<LowerBound> = bounds.iter().filter_map(rest).collect();
+        // 3. Rounding.
+        let rounded = round_bounded(covariance, &relaxed, &bounds, &cancelled).ok_or(SolveError::Cancelled)?;
+        free.iter().zip(rounded).for_each(|(&i, value)| values[i] = Some(value));
+        Ok(values.into_iter().flatten().collect())
     }
 
     /// All variables at the optimum for given values of the free integers.

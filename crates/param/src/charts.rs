@@ -68,7 +68,6 @@ impl Charts {
         features: &FeatureGraph,
         field: &CrossField,
     ) -> Self {
-        let angle = metric::corner_angles(mesh, length);
         // 1. Matching of the raw field across every half-edge.
         let matching = HalfEdgeMap::from_fn(mesh.half_edge_count(), |h| field.matching(mesh, h));
         let singular = field.singularities(mesh, transport);
@@ -100,7 +99,8 @@ impl Charts {
                 (quarter(relative(h)) + 4 - axis[mesh.face(h)]) % 4
             })
         });
-        let (mut is_integer, collapsed_sectors) = feature_sectors(mesh, features, field, &angle, transport);
+        let sectors = sectors(mesh, length, transport, features, field);
+        let (mut is_integer, collapsed_sectors) = feature_sectors(mesh, features, &sectors);
         for &v in &cones {
             is_integer[v] = true;
         }
@@ -121,18 +121,15 @@ impl Charts {
     }
 }
 
-/// Vertices with a sector between two feature edges to which the field gives no quarter turn, ascending.
-///
-/// # Cost       linear
-pub fn collapsed_sectors(
-    mesh: &TriConnectivity,
-    length: &EdgeMap<f64>,
-    transport: &Transport,
-    features: &FeatureGraph,
-    field: &CrossField,
-) -> Vec<VertexId> {
-    let angle = metric::corner_angles(mesh, length);
-    feature_sectors(mesh, features, field, &angle, transport).1
+/// A sector between two neighbouring feature edges at a vertex.
+#[derive(Clone, Debug)]
+pub struct Sector {
+    /// The vertex.
+    pub vertex: VertexId,
+    /// Half-edges from the vertex strictly inside the sector, counter-clockwise.
+    pub inside: Vec<HalfEdgeId>,
+    /// Quarter turns that the field gives it.
+    pub quarters: i64,
 }
 
 fn quarter(angle: f64) -> u8 {
@@ -198,45 +195,63 @@ fn number_nodes(mesh: &TriConnectivity, is_seam: &EdgeMap<bool>) -> (CornerMap<u
     (node, count as usize)
 }
 
-/// Marks feature vertices that are not passed straight through, and sectors without a quarter turn.
+/// All sectors at feature vertices, ascending by vertex.
 ///
 /// The parameter angle of a sector is the sum of its corner angles and of the field's residual turns
 /// θ_i + κ_ij + π/2·p_ij − θ_j; for a field aligned to both its sides it is a whole number of quarter turns.
-fn feature_sectors(
+///
+/// # Input      `length`: of every edge, file units
+/// # Cost       linear
+pub fn sectors(
     mesh: &TriConnectivity,
+    length: &EdgeMap<f64>,
+    transport: &Transport,
     features: &FeatureGraph,
     field: &CrossField,
-    angle: &CornerMap<f64>,
-    transport: &Transport,
-) -> (VertexMap<bool>, Vec<VertexId>) {
-    let mut is_integer = features.is_corner.clone();
-    let mut collapsed = Vec::new();
+) -> Vec<Sector> {
+    let angle = metric::corner_angles(mesh, length);
+    let mut sectors: Vec<Sector> = Vec::new();
     for v in mesh.vertices() {
         let fan: Vec<HalfEdgeId> = mesh.outgoing(v).collect();
         let Some(start) = fan.iter().position(|&h| features.is_feature(mesh.edge(h))) else { continue };
-        let mut sectors: Vec<f64> = Vec::new();
+        let mut sum = 0.0;
+        let mut inside = Vec::new();
         for i in 0..fan.len() {
             let h = fan[(start + i) % fan.len()];
-            if features.is_feature(mesh.edge(h)) {
-                sectors.push(0.0);
-            } else if let Some(t) = mesh.twin(h) {
+            if let Some(t) = mesh.twin(h).filter(|_| !features.is_feature(mesh.edge(h))) {
                 // Crossing from the clockwise neighbour t into the face of h.
-                if let Some(sum) = sectors.last_mut() {
-                    *sum -= field.turn(mesh, transport, t);
-                }
+                sum -= field.turn(mesh, transport, t);
+                inside.push(h);
             }
-            if let Some(sum) = sectors.last_mut() {
-                *sum += angle[h];
+            sum += angle[h];
+            let next = mesh.edge(mesh.prev(h));
+            if features.is_feature(next) || mesh.is_boundary_edge(next) || i + 1 == fan.len() {
+                let quarters = (sum / FRAC_PI_2).round() as i64;
+                sectors.push(Sector { vertex: v, inside: std::mem::take(&mut inside), quarters });
+                sum = 0.0;
             }
-        }
-        let quarters: Vec<i64> = sectors.iter().map(|s| (s / FRAC_PI_2).round() as i64).collect();
-        if quarters.iter().any(|&q| q != 2) {
-            is_integer[v] = true;
-        }
-        if quarters.iter().any(|&q| q <= 0) {
-            collapsed.push(v);
         }
     }
+    sectors
+}
+
+/// Marks feature vertices that are not passed straight through, and those with a sector without a quarter turn.
+fn feature_sectors(
+    mesh: &TriConnectivity,
+    features: &FeatureGraph,
+    sectors: &[Sector],
+) -> (VertexMap<bool>, Vec<VertexId>) {
+    let mut is_integer = features.is_corner.clone();
+    let mut collapsed = Vec::new();
+    for sector in sectors {
+        if sector.quarters != 2 {
+            is_integer[sector.vertex] = true;
+        }
+        if sector.quarters <= 0 && collapsed.last() != Some(&sector.vertex) {
+            collapsed.push(sector.vertex);
+        }
+    }
+    debug_assert!(is_integer.len() == mesh.vertex_count());
     (is_integer, collapsed)
 }
 

@@ -15,13 +15,13 @@ use std::collections::BTreeMap;
 /// How long separation goes on.
 #[derive(Clone, Debug)]
 pub struct SeparationOptions {
-    /// Most rounds: paths that are added, or integers that are chosen again. Default 60; few maps need more than ten.
+    /// Most rounds: paths that are added, or integers that are chosen again. Default 150; few maps need more than ten.
     pub rounds: u32,
 }
 
 impl Default for SeparationOptions {
     fn default() -> Self {
-        Self { rounds: 60 }
+        Self { rounds: 150 }
     }
 }
 
