@@ -282,6 +282,7 @@ impl<'a> Parametrizer<'a> {
         let direct = SolveOptions { rounding: Rounding::Direct, ..SolveOptions::default() };
         let mut weight = self.first_weights(&options.stiffen);
         let mut folds = Vec::new();
+        let (mut fewest, mut in_vain) = (usize::MAX, 0);
         for round in 0..=options.seamless_rounds {
             progress.check()?;
             let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, scale);
@@ -298,6 +299,11 @@ impl<'a> Parametrizer<'a> {
             }
             if folds.is_empty() {
                 return Ok(Ok(map));
+            }
+            in_vain = if folds.len() < fewest { 0 } else { in_vain + 1 };
+            fewest = fewest.min(folds.len());
+            if in_vain >= ROUNDS_IN_VAIN {
+                break;
             }
         }
         Ok(Err(folds))
@@ -421,6 +427,11 @@ fn reduced_entries(mesh: &TriMesh, charts: &Charts, solver: &Solver) -> usize {
 
 /// Inverted faces beyond which untangling at the first integers is not worth its time once separation has failed.
 const HOPELESS_FOLDS: usize = 12;
+
+/// Re-solves of the seamless map without fewer folds after which it is given up.
+///
+/// Folds go down in nearly every round where they go away at all.
+const ROUNDS_IN_VAIN: u32 = 3;
 
 /// Faces that a report names.
 const MAX_NAMED_FACES: usize = 20;

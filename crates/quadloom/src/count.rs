@@ -39,6 +39,9 @@ pub struct Fitted<T> {
     pub solves: usize,
 }
 
+/// Solutions with flaws after which no further size is tried: they cost most, and another count seldom cures them.
+const MOST_FLAWED: usize = 2;
+
 /// Solves at a size, then at corrected sizes until the count is near enough.
 ///
 /// The count is inversely proportional to the squared size, so the first correction is that power law; the
@@ -57,7 +60,7 @@ pub fn fit_count<T, E>(
     let mut best: Option<Fitted<T>> = None;
     let mut best_rank: Option<(bool, usize, f64)> = None;
     let mut size = size;
-    let mut solves = 0;
+    let (mut solves, mut flawed) = (0, 0);
     while solves < goal.solves.max(1) {
         solves += 1;
         let Some(Tried { solution, quads, flaws }) = solve(size)? else { break };
@@ -66,7 +69,8 @@ pub fn fit_count<T, E>(
         if best_rank.is_none_or(|b| rank < b) {
             (best, best_rank) = (Some(Fitted { solution, quads, size, solves }), Some(rank));
         }
-        if near {
+        flawed += usize::from(flaws > 0);
+        if near || flawed >= MOST_FLAWED {
             break;
         }
         tried.push((size.ln(), (quads.max(1.0) / goal.quads).ln()));

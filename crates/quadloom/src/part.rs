@@ -95,6 +95,10 @@ const LADDER: [Attempt; 5] = [
     Attempt { work_edge: 0.7, quads: 1.15, sharp: false },
 ];
 
+/// Components for fewer quads get one attempt before their triangles are split, if that is allowed: models of a hundred
+/// loose pieces would take minutes, and split triangles of so few quads have hardly more irregular vertices.
+const CRUMB_QUADS: usize = 60;
+
 /// Work meshes for quads of several sizes are finer by this factor, so that the smallest quads have triangles too.
 const ADAPTIVE_WORK_EDGE: f64 = 0.6;
 
@@ -107,7 +111,8 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
     let [found, named] = run.features();
     let any_sharp = found.graph.edge_count() > named.graph.edge_count();
     let mut failure = no_result("remesh", "no attempt was made");
-    for (attempt, rung) in LADDER.iter().enumerate() {
+    let rungs = if request.quads < CRUMB_QUADS && options.fallback == Fallback::Split { 1 } else { LADDER.len() };
+    for (attempt, rung) in LADDER.iter().enumerate().take(rungs) {
         if !rung.sharp && !any_sharp && rung.same_sizes(&LADDER[0]) {
             continue;
         }

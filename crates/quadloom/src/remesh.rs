@@ -309,7 +309,9 @@ fn feature_warnings(parts: &[Part], named: bool) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let dropped = sum(|p| p.features.dropped_edges);
     if dropped > 0 {
-        let message = format!("{dropped} sharp edges in pieces that are short, or no sharper than the surface around them, were not kept");
+        let message = format!(
+            "{dropped} sharp edges in pieces that are short, or no sharper than the surface around them, were not kept"
+        );
         warnings.push(Warning::new(WarningCode::LooseFeaturesDropped, message));
     }
     let lost = sum(|p| p.features.graph.chains.len()) - parts.iter().map(chains_kept).sum::<usize>();
