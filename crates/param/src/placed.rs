@@ -9,6 +9,7 @@ use crate::charts::Charts;
 use crate::fans::{Saddle, is_wrong, saddles};
 use crate::integer_grid_map::{GRID_UNIT, IntegerGridMap, LatticePoint, Transition, rotate};
 use quadloom_mesh::{CornerMap, EdgeMap, FaceId, HalfEdgeMap, TriConnectivity, VertexId, VertexMap};
+use std::sync::Arc;
 
 /// A map with fixed integers and movable vertices.
 #[derive(Clone, Debug)]
@@ -18,9 +19,9 @@ pub struct PlacedMap {
     /// Which coordinates of the point are fixed.
     pub fixed: VertexMap<[bool; 2]>,
     /// From that chart to the chart of each corner, translations in lattice units.
-    pub to_corner: CornerMap<Transition>,
+    pub to_corner: Arc<CornerMap<Transition>>,
     /// Transition across each half-edge.
-    pub transition: HalfEdgeMap<Transition>,
+    pub transition: Arc<HalfEdgeMap<Transition>>,
     /// Interior singular vertices with more than four quarter turns, ascending.
     pub saddles: Vec<Saddle>,
 }
@@ -89,7 +90,7 @@ impl PlacedMap {
         }
         // 5. Turns that triangles without inversion can still miss.
         let saddles = saddles(mesh, charts);
-        Ok(Self { point, fixed, to_corner, transition, saddles })
+        Ok(Self { point, fixed, to_corner: Arc::new(to_corner), transition: Arc::new(transition), saddles })
     }
 
     /// Image of a corner, grid units.
@@ -110,7 +111,7 @@ impl PlacedMap {
     pub fn to_lattice(&self, mesh: &TriConnectivity) -> IntegerGridMap {
         let point: VertexMap<LatticePoint> = self.point.map(|p| p.map(|x| (x * GRID_UNIT as f64).round() as i64));
         let uv = CornerMap::from_fn(mesh.half_edge_count(), |h| self.to_corner[h].apply(point[mesh.origin(h)]));
-        IntegerGridMap { uv, transition: self.transition.clone() }
+        IntegerGridMap { uv, transition: (*self.transition).clone() }
     }
 
     /// Inverted or degenerate faces of the exact map and the faces around wrongly wound saddles, ascending.

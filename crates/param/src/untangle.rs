@@ -11,6 +11,7 @@ use crate::placed::{PlacedMap, turn};
 use crate::problem::{FaceGradient, jacobian};
 use quadloom_mesh::{FaceId, FaceMap, Progress, TriConnectivity, VertexId};
 use quadloom_numeric::{SparseCholesky, SparseSymmetric};
+use rayon::prelude::*;
 
 /// How hard the untangler tries.
 #[derive(Clone, Debug)]
@@ -52,7 +53,7 @@ pub struct UntangleReport {
 
 /// Removes inverted triangles where the integers allow it.
 ///
-/// # Cost       a few sparse factorisations of the moved regions
+/// # Cost       a few sparse factorisations of the moved regions, which are done in parallel
 /// # Guarantees never more inverted faces than before
 pub fn untangle(
     mesh: &TriConnectivity,
@@ -67,12 +68,19 @@ pub fn untangle(
         if inverted.is_empty() || progress.cancelled() {
             break;
         }
-        for region in regions(mesh, &inverted, rings) {
-            if progress.cancelled() {
-                break;
-            }
+        // Regions share no vertex that moves, so that each can be moved on its own copy.
+        let moved: Vec<(u32, PlacedMap, Vec<VertexId>)> = regions(mesh, &inverted, rings)
+            .into_par_iter()
+            .map(|region| {
+                let mut own = map.clone();
+                let (steps, vertices) = untangle_region(mesh, &mut own, gradient, &region, options, progress);
+                (steps, own, vertices)
+            })
+            .collect();
+        for (steps, own, vertices) in moved {
             report.regions += 1;
-            report.steps += untangle_region(mesh, map, gradient, &region, options, progress);
+            report.steps += steps;
+            vertices.into_iter().for_each(|v| map.point[v] = own.point[v]);
         }
         inverted = map.folded_faces(mesh);
     }
@@ -130,6 +138,8 @@ fn regions(mesh: &TriConnectivity, seeds: &[FaceId], rings: u32) -> Vec<Vec<Face
 }
 
 /// Minimises the regularised energy of a region with its rim held; keeps the result only if it has no more folds.
+///
+/// # Output     steps, and the vertices that may have moved
 fn untangle_region(
     mesh: &TriConnectivity,
     map: &mut PlacedMap,
@@ -137,10 +147,10 @@ fn untangle_region(
     region: &[FaceId],
     options: &UntangleOptions,
     progress: &Progress,
-) -> u32 {
-    let whole = Region::new(mesh, map, gradient, region, &[]);
-    if whole.unknowns == 0 {
-        return 0;
+) -> (u32, Vec<VertexId>) {
+    let mut whole = Region::new(mesh, map, gradient, region, &[]);
+    if whole.unknowns == 0 || progress.cancelled() {
+        return (0, Vec::new());
     }
     let before: Vec<[f64; 2]> = whole.vertices.iter().map(|&v| map.point[v]).collect();
     let folds_before = whole.folds(mesh, map);
@@ -150,16 +160,16 @@ fn untangle_region(
     if !centres.is_empty() {
         let is_rest = |f: &FaceId| !mesh.face_vertices(*f).iter().any(|v| centres.contains(v));
         let rest: Vec<FaceId> = region.iter().copied().filter(is_rest).collect();
-        steps += descend(&Region::new(mesh, map, gradient, &rest, &held), map, options, progress);
+        steps += descend(&mut Region::new(mesh, map, gradient, &rest, &held), map, options, progress);
     }
     // 2. Everything.
-    steps += descend(&whole, map, options, progress);
+    steps += descend(&mut whole, map, options, progress);
     if whole.folds(mesh, map) > folds_before {
         for (&v, p) in whole.vertices.iter().zip(before) {
             map.point[v] = p;
         }
     }
-    steps
+    (steps, whole.vertices)
 }
 
 /// Places the neighbours of the saddles that need it; returns these saddles and their neighbours.
@@ -192,7 +202,7 @@ fn lay_out_fans(
 }
 
 /// Newton steps with ε lowered in between, until nothing is inverted or nothing improves.
-fn descend(problem: &Region, map: &mut PlacedMap, options: &UntangleOptions, progress: &Progress) -> u32 {
+fn descend(problem: &mut Region, map: &mut PlacedMap, options: &UntangleOptions, progress: &Progress) -> u32 {
     if problem.unknowns == 0 {
         return 0;
     }
@@ -250,6 +260,7 @@ struct Region<'a> {
     /// First unknown of each free coordinate, by listed vertex.
     unknown_of: Vec<[Option<u32>; 2]>,
     unknowns: usize,
+    solver: Option<SparseCholesky>,
 }
 
 #[derive(Clone, Copy)]
@@ -299,7 +310,7 @@ impl<'a> Region<'a> {
                 })
             })
             .collect();
-        Self { gradient, faces: region.to_vec(), corners, vertices: inside, unknown_of, unknowns }
+        Self { gradient, faces: region.to_vec(), corners, vertices: inside, unknown_of, unknowns, solver: None }
     }
 
     /// Inverted faces of the exact map, and wrongly wound saddles.
@@ -358,7 +369,7 @@ impl<'a> Region<'a> {
     }
 
     /// Solves H d = −g with the Hessian of each triangle projected to its positive part.
-    fn newton_direction(&self, map: &PlacedMap, lambda: f64, epsilon: f64) -> Option<Vec<f64>> {
+    fn newton_direction(&mut self, map: &PlacedMap, lambda: f64, epsilon: f64) -> Option<Vec<f64>> {
         let mut triplets = Vec::with_capacity(self.faces.len() * 21 + self.unknowns);
         let mut rhs = vec![0.0; self.unknowns];
         for i in 0..self.faces.len() {
@@ -391,7 +402,11 @@ impl<'a> Region<'a> {
             triplets.push((i, i, 1e-10 * scale + 1e-12));
         }
         let matrix = SparseSymmetric::from_triplets(self.unknowns, &triplets);
-        let mut solver = SparseCholesky::analyse(&matrix, &[]).ok()?;
+        // The pattern is that of the region, the same in every step.
+        if self.solver.is_none() {
+            self.solver = SparseCholesky::analyse(&matrix, &[]).ok();
+        }
+        let solver = self.solver.as_mut()?;
         solver.factorize(&matrix).ok()?;
         solver.solve(&mut rhs);
         rhs.iter().all(|x| x.is_finite()).then_some(rhs)
