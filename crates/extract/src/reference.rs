@@ -34,9 +34,17 @@ impl<'a> Reference<'a> {
     ///
     /// # Input      hint: a face near the quad
     pub fn faces_against(&self, corner: [DVec3; 4], hint: FaceId) -> bool {
+        self.points_against(corner, hint) >= 3
+    }
+
+    /// At how many of five points a quad faces against the surface: its centre, and half way from there to the corners;
+    /// 0 if it does not at its centre. A quad that is turned over has all five.
+    ///
+    /// # Input      hint: a face near the quad
+    pub(crate) fn points_against(&self, corner: [DVec3; 4], hint: FaceId) -> usize {
         let normal = (corner[2] - corner[0]).cross(corner[3] - corner[1]);
         let centre = (corner[0] + corner[1] + corner[2] + corner[3]) / 4.0;
         let against = |p: DVec3| self.mesh.vector_area(self.closest.query_near(p, hint).point.face).dot(normal) < 0.0;
-        against(centre) && corner.iter().filter(|c| against(c.lerp(centre, 0.5))).count() >= 2
+        if against(centre) { 1 + corner.iter().filter(|c| against(c.lerp(centre, 0.5))).count() } else { 0 }
     }
 }

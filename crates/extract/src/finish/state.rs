@@ -27,6 +27,19 @@ const CURVE_STEP_REL: f64 = 0.45;
 /// Cosine between a quad's normal and the surface normals at its corners above which no query is needed.
 const CLEARLY_FACING: f64 = 0.25;
 
+/// Quality at most of a quad some of whose points face against the surface: worth improving, but not inverted, as the
+/// points may be nearest to the other side of a thin sheet.
+const UNCLEAR: f64 = 0.02;
+
+/// How a quad lies to the surface.
+enum Facing {
+    Along,
+    /// Most of its points are against the surface, not all.
+    Unclear,
+    /// All of its points are against the surface, whose unit normal this is.
+    Against(DVec3),
+}
+
 /// Positions, ties and quality of a quad mesh on its way.
 pub(crate) struct State<'a> {
     pub quads: &'a QuadMesh,
@@ -81,8 +94,9 @@ impl<'a> State<'a> {
         let corner = self.corners(f);
         let jacobian = scaled_jacobian(corner);
         match self.against(f, corner) {
-            None => jacobian,
-            Some(normal) => worst_corner(corner, normal).min(0.0) - 1e-9,
+            Facing::Along => jacobian,
+            Facing::Unclear => jacobian.min(UNCLEAR),
+            Facing::Against(normal) => worst_corner(corner, normal).min(0.0) - 1e-9,
         }
     }
 
@@ -101,8 +115,8 @@ impl<'a> State<'a> {
         faces.iter().map(|&f| self.measure(f)).fold(f64::INFINITY, f64::min)
     }
 
-    /// The surface's unit normal at the quad's centre if the quad faces against it.
-    fn against(&self, f: FaceId, corner: [DVec3; 4]) -> Option<DVec3> {
+    /// How a quad faces.
+    fn against(&self, f: FaceId, corner: [DVec3; 4]) -> Facing {
         let normal = (corner[2] - corner[0]).cross(corner[3] - corner[1]);
         let vertices = self.quads.face_vertices(f);
         let (mut on_surface, mut clear, mut hint) = (0, 0, None);
@@ -114,7 +128,7 @@ impl<'a> State<'a> {
             }
         }
         if on_surface >= 3 && clear == on_surface {
-            return None;
+            return Facing::Along;
         }
         let centre = corner.iter().sum::<DVec3>() / 4.0;
         let query = |p: DVec3| match hint {
@@ -123,7 +137,14 @@ impl<'a> State<'a> {
         };
         let at_centre = query(centre).point.face;
         let area = self.reference.mesh.vector_area(at_centre);
-        (area.dot(normal) <= 0.0 && self.reference.faces_against(corner, at_centre)).then(|| area.normalize_or_zero())
+        if area.dot(normal) > 0.0 {
+            return Facing::Along;
+        }
+        match self.reference.points_against(corner, at_centre) {
+            0..3 => Facing::Along,
+            3..5 => Facing::Unclear,
+            _ => Facing::Against(area.normalize_or_zero()),
+        }
     }
 
     /// Area-weighted normal of the quads around a vertex, not normalised.
