@@ -70,12 +70,12 @@ pub enum ParamError {
     /// The solution does not close up.
     #[error("the map does not close: {0}")]
     Placement(PlacementError),
-    /// Seams on which every face would depend: the reduced system would not fit into memory.
+    /// Seams on which every face would depend: the reduced system would take too long.
     #[error(
-        "the map's reduced system would have about {entries} entries: the surface has too many handles for its seams"
+        "the map's reduced system would take about {entries} products: the surface has too many handles for its seams"
     )]
     TooDense {
-        /// Entries of the reduced matrix, before equal ones are summed.
+        /// Products of coefficients that make up the reduced matrix.
         entries: usize,
     },
     /// The run was asked to stop.
@@ -282,7 +282,7 @@ impl<'a> Parametrizer<'a> {
         let direct = SolveOptions { rounding: Rounding::Direct, ..SolveOptions::default() };
         let mut weight = self.first_weights(&options.stiffen);
         let mut folds = Vec::new();
-        let (mut fewest, mut in_vain) = (usize::MAX, 0);
+        let (mut fewest, mut in_vain, mut steps) = (usize::MAX, 0, 0);
         for round in 0..=options.seamless_rounds {
             progress.check()?;
             let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, scale);
@@ -291,10 +291,10 @@ impl<'a> Parametrizer<'a> {
             if round < options.seamless_rounds {
                 stiffen::reweight(self.mesh, &map, gradient, &mut weight, &options.stiffen);
             }
-            untangle(self.mesh, &mut map, gradient, &options.untangle.quick(), progress);
+            steps += untangle(self.mesh, &mut map, gradient, &options.untangle.quick(), progress).steps;
             folds = map.folded_faces(self.mesh);
             if !folds.is_empty() && folds.len() <= HOPELESS_FOLDS {
-                untangle(self.mesh, &mut map, gradient, &options.untangle, progress);
+                steps += untangle(self.mesh, &mut map, gradient, &options.untangle, progress).steps;
                 folds = map.folded_faces(self.mesh);
             }
             if folds.is_empty() {
@@ -302,7 +302,7 @@ impl<'a> Parametrizer<'a> {
             }
             in_vain = if folds.len() < fewest { 0 } else { in_vain + 1 };
             fewest = fewest.min(folds.len());
-            if in_vain >= ROUNDS_IN_VAIN {
+            if in_vain >= ROUNDS_IN_VAIN || steps > self.most_steps() {
                 break;
             }
         }
@@ -376,11 +376,13 @@ impl<'a> Parametrizer<'a> {
         let isotropic = EnergyOptions { anisotropy: 1.0 };
         let mut solver = PlacedSolver::new(self.mesh, &start);
         let mut best: Option<(usize, PlacedMap)> = None;
+        let mut steps = 0;
         for round in 0..FOLLOWING_ROUNDS {
             let mut map = start.clone();
             solver.approach(self.mesh, &mut map, gradient, &weight, &isotropic, |f| target[f]);
             let folded = map.folded_faces(self.mesh);
             let untangled = untangle(self.mesh, &mut map, gradient, &options.untangle, progress);
+            steps += untangled.steps;
             let left = map.folded_faces(self.mesh);
             for f in folded.iter().chain(&left) {
                 self.mesh.face_vertices(*f).iter().flat_map(|v| self.mesh.outgoing(*v)).for_each(|h| {
@@ -397,22 +399,31 @@ impl<'a> Parametrizer<'a> {
                     separation.followings = round + 1;
                 }
             }
-            if count == 0 || progress.cancelled() {
+            if count == 0 || steps > self.most_steps() || progress.cancelled() {
                 break;
             }
         }
         best.map_or(start, |b| b.1)
     }
+
+    /// Newton steps of untangling after which no further round is begun.
+    fn most_steps(&self) -> u32 {
+        LEAST_STEPS.max(u32::try_from(self.mesh.face_count()).unwrap_or(u32::MAX))
+    }
 }
+
+/// Newton steps that any map may take: a few regions with all their rings. Larger meshes may take one per face: a
+/// crumb of a hundred faces would else take as long as a whole model, and many models have a hundred crumbs.
+const LEAST_STEPS: u32 = 300;
 
 /// Attempts at points for separated integers; the first one suffices for most maps.
 const FOLLOWING_ROUNDS: u32 = 4;
 
-/// Entries of the reduced matrix, before equal ones are summed, that may be stored: about 2.5 GB at 24 bytes.
+/// Products that one reduction of the energy may take: about ten seconds.
 ///
 /// Ordinary maps need 36 a face and little more; surfaces of very high genus have seams that tie every variable to
 /// hundreds of integers.
-const MOST_ENTRIES: usize = 100_000_000;
+const MOST_ENTRIES: usize = 10_000_000_000;
 
 /// Entries that the orientation energy has after elimination: per face, the product of its corners' expressions.
 fn reduced_entries(mesh: &TriMesh, charts: &Charts, solver: &Solver) -> usize {

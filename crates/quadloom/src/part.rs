@@ -34,6 +34,8 @@ pub struct PartRequest<'a> {
     pub sizes: SizeRequest,
     /// Singular vertices to use, with their index in quarters.
     pub singularities: Vec<(VertexId, i32)>,
+    /// Most attempts before triangles are split.
+    pub attempts: usize,
 }
 
 /// The quads of one connected surface and how they came about.
@@ -95,9 +97,15 @@ const LADDER: [Attempt; 5] = [
     Attempt { work_edge: 0.7, quads: 1.15, sharp: false },
 ];
 
-/// Components for fewer quads get one attempt before their triangles are split, if that is allowed: models of a hundred
-/// loose pieces would take minutes, and split triangles of so few quads have hardly more irregular vertices.
-const CRUMB_QUADS: usize = 60;
+/// Attempts that a component is worth which is one of several: models of a hundred loose pieces would else take minutes,
+/// and split triangles of a few quads have hardly more irregular vertices than the best.
+pub fn attempts_of_piece(quads: usize) -> usize {
+    match quads {
+        0..60 => 1,
+        60..400 => 2,
+        _ => usize::MAX,
+    }
+}
 
 /// Work meshes for quads of several sizes are finer by this factor, so that the smallest quads have triangles too.
 const ADAPTIVE_WORK_EDGE: f64 = 0.6;
@@ -111,8 +119,7 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
     let [found, named] = run.features();
     let any_sharp = found.graph.edge_count() > named.graph.edge_count();
     let mut failure = no_result("remesh", "no attempt was made");
-    let rungs = if request.quads < CRUMB_QUADS && options.fallback == Fallback::Split { 1 } else { LADDER.len() };
-    for (attempt, rung) in LADDER.iter().enumerate().take(rungs) {
+    for (attempt, rung) in LADDER.iter().enumerate().take(request.attempts) {
         if !rung.sharp && !any_sharp && rung.same_sizes(&LADDER[0]) {
             continue;
         }

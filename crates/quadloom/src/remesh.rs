@@ -10,8 +10,8 @@ use crate::error::{RemeshError, Warning, WarningCode};
 use crate::features::FeatureRequest;
 use crate::measure::{chains_kept, distances, feature_report, field_summary, map_summary, surface_report};
 use crate::memory;
-use crate::options::{AUTO_QUADS_MAX, AUTO_QUADS_MIN, Elements, RemeshOptions, Target};
-use crate::part::{Part, PartRequest, remesh_part};
+use crate::options::{AUTO_QUADS_MAX, AUTO_QUADS_MIN, Elements, Fallback, RemeshOptions, Target};
+use crate::part::{Part, PartRequest, attempts_of_piece, remesh_part};
 use crate::report::{ComponentReport, CountReport, REPORT_VERSION, Report, Seconds};
 use crate::sizes::SizeRequest;
 use crate::stages::no_result;
@@ -176,6 +176,10 @@ fn requests<'a>(
                 density: None,
             },
             singularities: Vec::new(),
+            attempts: match options.fallback {
+                Fallback::Split if components.len() > 1 => attempts_of_piece(quads),
+                _ => usize::MAX,
+            },
         })
         .collect();
     // 1. Named edges.
