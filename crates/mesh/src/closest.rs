@@ -267,6 +267,15 @@ impl PolylineIndex {
         self.lines[chain as usize].closed
     }
 
+    /// The points between the segments of a polyline, with their lengths from its start, file units, ascending; ends of
+    /// open polylines are not among them, the start of a closed one is.
+    pub fn joints(&self, chain: ChainId) -> impl Iterator<Item = (f64, DVec3)> + '_ {
+        let line = &self.lines[chain as usize];
+        let first = usize::from(!line.closed);
+        let last = line.points.len().saturating_sub(1);
+        (first..last).map(|i| (line.arc[i], line.points[i]))
+    }
+
     /// The nearest point of one polyline.
     pub fn query(&self, chain: ChainId, p: DVec3) -> ChainPoint {
         let nearest = self.lines[chain as usize].segments.nearest(p);

@@ -6,6 +6,7 @@
 //! of threads. Not: that a quad inverted at the start is cured.
 //! Source: [Bommes2012] §8.5 asks for it; the method is projective smoothing [Bouaziz2012] with rollback, own.
 
+mod joints;
 mod shape;
 mod state;
 mod sweep;
@@ -14,6 +15,7 @@ mod untangle;
 
 use crate::extraction::Extraction;
 use crate::reference::Reference;
+use joints::settle_on_joints;
 use quadloom_mesh::{Cancelled, MeshError, Progress, QuadMesh};
 use serde::{Deserialize, Serialize};
 use state::State;
@@ -54,6 +56,9 @@ impl Default for FinishOptions {
 /// Rings of quads around an inverted one whose features are given up at most, the quad itself being the first.
 const RELEASE_RINGS: usize = 4;
 
+/// Sweeps after vertices were pinned to joints: their neighbours move by a fraction of an edge.
+const SWEEPS_AFTER_PINNING: usize = 8;
+
 /// What finishing did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FinishReport {
@@ -63,6 +68,8 @@ pub struct FinishReport {
     pub single_moves: usize,
     /// Vertices whose corner or curve was not found on the input: they lie on the surface only.
     pub mismatched: usize,
+    /// Vertices that were pinned to joints of their curves.
+    pub pinned: usize,
     /// Vertices that left their corner or curve because a quad stayed inverted otherwise.
     pub released: usize,
     /// Quads inverted or facing against the surface, as they came.
@@ -119,18 +126,17 @@ pub fn finish(
     // 3. Sweeps.
     let shortest_step = SHORTEST_STEP_REL * options.settled_rel * edge;
     let aim = Aim { stretch_kept: options.stretch_kept, laplacian: options.laplacian, shortest_step };
-    for k in 0..options.sweeps {
-        progress.check()?;
-        progress.report("finish", k as f64 / options.sweeps as f64);
-        report.sweeps += 1;
-        if sweep(&mut state, aim) < options.settled_rel * edge {
-            break;
-        }
+    let settled = options.settled_rel * edge;
+    report.sweeps += sweep_until(&mut state, aim, settled, options.sweeps, progress)?;
+    // 4. Joints of coarse curves get a vertex, to which the others adapt.
+    report.pinned = settle_on_joints(&mut state, edge);
+    if report.pinned > 0 {
+        report.sweeps += sweep_until(&mut state, aim, settled, options.sweeps.min(SWEEPS_AFTER_PINNING), progress)?;
     }
-    // 4. The worst ones by themselves.
+    // 5. The worst ones by themselves.
     report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
     state.project_all();
-    // 5. A feature is given up where it alone keeps a quad inverted.
+    // 6. A feature is given up where it alone keeps a quad inverted.
     for rings in 0..RELEASE_RINGS {
         if !options.release || state.bad_quads() == 0 {
             break;
@@ -142,6 +148,24 @@ pub fn finish(
     let mesh = quads.mesh.with_positions(state.position)?;
     progress.report("finish", 1.0);
     Ok(Finished { mesh, report })
+}
+
+/// Sweeps until no vertex moves farther than `settled`; returns how many sweeps.
+fn sweep_until(
+    state: &mut State,
+    aim: Aim,
+    settled: f64,
+    sweeps: usize,
+    progress: &Progress,
+) -> Result<usize, Cancelled> {
+    for k in 0..sweeps {
+        progress.check()?;
+        progress.report("finish", k as f64 / sweeps as f64);
+        if sweep(state, aim) < settled {
+            return Ok(k + 1);
+        }
+    }
+    Ok(sweeps)
 }
 
 fn mean_edge(mesh: &QuadMesh) -> f64 {

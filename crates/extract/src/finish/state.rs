@@ -47,6 +47,8 @@ pub(crate) struct State<'a> {
     pub position: VertexMap<DVec3>,
     pub tie: VertexMap<Tie>,
     along: VertexMap<[Option<VertexId>; 2]>,
+    /// Vertices on curves that stay where they are.
+    pub pinned: VertexMap<bool>,
     /// Quality of each quad: its scaled Jacobian; negative where it faces against the surface.
     pub quality: Vec<f64>,
 }
@@ -59,7 +61,8 @@ impl<'a> State<'a> {
         let Ties { position: tied, tie: wanted, along, .. } = ties;
         let position = quads.positions().clone();
         let tie = VertexMap::from_fn(quads.vertex_count(), |v| wanted[v].off_surface());
-        let mut state = Self { quads, reference, position, tie, along, quality: Vec::new() };
+        let pinned = VertexMap::filled(quads.vertex_count(), false);
+        let mut state = Self { quads, reference, position, tie, along, pinned, quality: Vec::new() };
         state.quality = (0..quads.face_count()).into_par_iter().map(|f| state.measure(FaceId::new(f))).collect();
         let bad = state.bad_quads();
         let moves: Vec<Option<Move>> =
@@ -161,6 +164,7 @@ impl<'a> State<'a> {
         let p = self.position[v];
         match self.tie[v] {
             Tie::Fixed => None,
+            Tie::Curve { .. } if self.pinned[v] => None,
             Tie::Surface { face, .. } => {
                 let n = normal.normalize_or_zero();
                 let tangential = displacement - n * displacement.dot(n);
