@@ -1,0 +1,253 @@
+//! What the options of `remesh` do to the quads.
+
+mod common;
+
+use common::{Bench, read_quads, topology};
+use serde_json::Value;
+
+/// Points and triangles of a generated shape.
+fn shape(bench: &Bench, name: &str) -> (Vec<[f64; 3]>, Vec<Vec<usize>>) {
+    bench.line(&format!("convert sample:{name} {name}.obj")).succeeds();
+    let text = String::from_utf8(bench.read(&format!("{name}.obj"))).expect("text");
+    let (mut points, mut faces) = (Vec::new(), Vec::new());
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[..] {
+            ["v", x, y, z] => points.push([x, y, z].map(|w| w.parse().expect("a number"))),
+            ["f", ref corners @ ..] => {
+                let index = |w: &&str| w.split('/').next().and_then(|i| i.parse::<usize>().ok()).expect("an index") - 1;
+                faces.push(corners.iter().map(index).collect());
+            }
+            _ => {}
+        }
+    }
+    (points, faces)
+}
+
+fn write_obj(bench: &Bench, name: &str, points: &[[f64; 3]], faces: &[Vec<usize>]) {
+    let mut text: String = points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    for face in faces {
+        text += &format!("f {}\n", face.iter().map(|v| (v + 1).to_string()).collect::<Vec<_>>().join(" "));
+    }
+    bench.write(name, text);
+}
+
+fn report(bench: &Bench, name: &str) -> Value {
+    serde_json::from_slice(&bench.read(name)).expect("JSON")
+}
+
+fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn norm(a: [f64; 3]) -> f64 {
+    a.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Centre, and the mean lengths of both pairs of opposite sides, longer first.
+fn measure(points: &[[f64; 3]], quad: &[usize; 4]) -> ([f64; 3], [f64; 2]) {
+    let p = quad.map(|v| points[v]);
+    let centre = [0, 1, 2].map(|k| p.iter().map(|q| q[k]).sum::<f64>() / 4.0);
+    let side = |k: usize| norm(sub(p[(k + 1) % 4], p[k]));
+    let pair = [0.5 * (side(0) + side(2)), 0.5 * (side(1) + side(3))];
+    (centre, [pair[0].max(pair[1]), pair[0].min(pair[1])])
+}
+
+/// A tube around the z axis, twice as wide at one end as in the middle and half as wide at the other.
+fn horn(bench: &Bench) {
+    let (points, faces) = shape(bench, "cylinder");
+    let [low, high] =
+        [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| points.iter().map(|p| p[2]).fold(points[0][2], pick));
+    let width = |z: f64| 0.4 + 1.2 * (z - low) / (high - low);
+    let bent: Vec<[f64; 3]> = points.iter().map(|p| [p[0] * width(p[2]), p[1] * width(p[2]), 2.0 * p[2]]).collect();
+    write_obj(bench, "horn.obj", &bent, &faces);
+}
+
+/// Mean length of the quads' sides in the lowest and in the highest quarter along z.
+fn sizes_at_the_ends(bench: &Bench, name: &str) -> [f64; 2] {
+    let (points, quads) = read_quads(&bench.path(name));
+    let z = |pick: fn(f64, f64) -> f64| points.iter().map(|p| p[2]).fold(points[0][2], pick);
+    let (low, high) = (z(f64::min), z(f64::max));
+    let quarter = 0.25 * (high - low);
+    let mean = |inside: &dyn Fn(f64) -> bool| {
+        let sizes: Vec<f64> = quads
+            .iter()
+            .map(|q| measure(&points, q))
+            .filter(|(c, _)| inside(c[2]))
+            .map(|(_, [a, b])| (a * b).sqrt())
+            .collect();
+        sizes.iter().sum::<f64>() / sizes.len() as f64
+    };
+    [mean(&|z| z < low + quarter), mean(&|z| z > high - quarter)]
+}
+
+#[test]
+fn sizes_follow_the_local_feature_size() {
+    let bench = Bench::new();
+    horn(&bench);
+    // Rows around the horn are wider at its wide end whatever is asked for; along it, only graded quads are longer.
+    let ratio = |options: &str| {
+        bench.line(&format!("remesh horn.obj -o out.obj --quads 1200 --tolerance 30 {options}")).succeeds();
+        let [thin, wide] = sizes_at_the_ends(&bench, "out.obj");
+        wide / thin
+    };
+    let (even, graded) = (ratio(""), ratio("--adaptivity 1 --adapt-to feature-size"));
+    assert!(graded > 1.2 * even, "{even} {graded}");
+}
+
+#[test]
+fn sizes_follow_a_vertex_attribute() {
+    let bench = Bench::new();
+    let (points, faces) = shape(&bench, "torus");
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\nproperty \
+         double wanted\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        points.len(),
+        faces.len()
+    );
+    for [x, y, z] in &points {
+        text += &format!("{x} {y} {z} {}\n", if *x > 0.0 { 4.0 } else { 1.0 });
+    }
+    for f in &faces {
+        text += &format!("3 {} {} {}\n", f[0], f[1], f[2]);
+    }
+    bench.write("torus.ply", text);
+    bench.line("remesh torus.ply -o out.obj --quads 1000 --tolerance 30 --density wanted").succeeds();
+    let (points, quads) = read_quads(&bench.path("out.obj"));
+    let right = quads.iter().filter(|q| measure(&points, q).0[0] > 0.0).count();
+    assert!(right as f64 > 1.6 * (quads.len() - right) as f64, "{right} of {}", quads.len());
+    bench.line("remesh torus.ply -o out.obj --density height").fails_with(4, &["height", "wanted"]);
+}
+
+#[test]
+fn quads_stretch_along_straight_directions() {
+    let bench = Bench::new();
+    let aspect = |name: &str| {
+        let (points, quads) = read_quads(&bench.path(name));
+        quads.iter().map(|q| measure(&points, q).1).map(|[a, b]| a / b).sum::<f64>() / quads.len() as f64
+    };
+    bench.line("remesh sample:cylinder -o square.obj --quads 800 --tolerance 30").succeeds();
+    bench.line("remesh sample:cylinder -o long.obj --quads 800 --tolerance 30 --anisotropy 1").succeeds();
+    let [square, long] = ["square.obj", "long.obj"].map(aspect);
+    assert!(square < 1.3 && long > 1.5, "{square} {long}");
+}
+
+#[test]
+fn a_drawn_curve_is_followed() {
+    let bench = Bench::new();
+    let arc: Vec<String> = (0..=24)
+        .map(|i| f64::from(i) * 0.1)
+        .map(|t| format!("{{\"point\":[{},{},{}]}}", t.cos() * 0.8, t.sin() * 0.8, 0.6))
+        .collect();
+    bench.write("arc.json", format!("[[{}]]", arc.join(",")));
+    bench
+        .line("remesh sample:sphere -o out.obj --quads 800 --tolerance 30 --guides arc.json --report r.json")
+        .succeeds();
+    let features = &report(&bench, "r.json")["features"];
+    assert!(features["chains"].as_u64() > Some(0), "{features}");
+    assert_eq!(features["chains"], features["chains_kept"]);
+}
+
+#[test]
+fn prescribed_singular_vertices_are_the_irregular_ones() {
+    let bench = Bench::new();
+    let (points, _) = shape(&bench, "sphere");
+    // The corners of a cube, turned so that no symmetry of the sphere's triangles helps.
+    let mut text = String::new();
+    let mut wanted = Vec::new();
+    for corner in 0..8 {
+        let [x, y, z] = [0, 1, 2].map(|k| if corner >> k & 1 == 0 { -1.0 } else { 1.0 } / 3.0_f64.sqrt());
+        let (sin, cos) = 0.4_f64.sin_cos();
+        let goal = [cos * x - sin * y, sin * x + cos * y, z];
+        let near = |p: &[f64; 3]| norm(sub(*p, goal));
+        let (v, p) = points.iter().enumerate().min_by(|a, b| near(a.1).total_cmp(&near(b.1))).expect("a vertex");
+        text += &format!("{v} 1\n");
+        wanted.push(*p);
+    }
+    bench.write("corners.txt", text);
+    bench.line("remesh sample:sphere -o out.obj --quads 600 --singularities corners.txt").succeeds();
+    let (points, quads) = read_quads(&bench.path("out.obj"));
+    let mut valence = vec![0; points.len()];
+    quads.iter().flatten().for_each(|&v| valence[v] += 1);
+    let irregular: Vec<usize> = (0..points.len()).filter(|&v| valence[v] != 4).collect();
+    assert_eq!(irregular.len(), 8);
+    for v in irregular {
+        let off = wanted.iter().map(|&w| norm(sub(points[v], w))).fold(f64::INFINITY, f64::min);
+        assert!(off < 0.2, "an irregular vertex {off} from the next prescribed one");
+    }
+}
+
+#[test]
+fn a_written_field_can_be_given_back() {
+    let bench = Bench::new();
+    bench.line("remesh sample:genus2 -o first.obj --quads 800 --write-field field.rosy").succeeds();
+    bench.line("remesh field.obj --field field.rosy -o second.obj --quads 800 --report r.json").succeeds();
+    let field = &report(&bench, "r.json")["field"];
+    assert_eq!(field["singularities_kept"], true, "{field}");
+    assert!(field["given_singularities"].as_u64() >= Some(8), "{field}");
+}
+
+#[test]
+fn lengths_and_scales_are_means() {
+    let bench = Bench::new();
+    let (points, faces) = shape(&bench, "cube");
+    let sides = faces.iter().flat_map(|f| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]]);
+    let mean = sides.map(|[a, b]| norm(sub(points[a], points[b]))).sum::<f64>() / (3 * faces.len()) as f64;
+    let area = 6.0
+        * (points.iter().map(|p| p[0]).fold(0.0, f64::max) - points.iter().map(|p| p[0]).fold(0.0, f64::min)).powi(2);
+    for (size, length) in [("--edge-length 0.2", 0.2), ("--scale 4", 4.0 * mean)] {
+        bench.line(&format!("remesh sample:cube -o out.obj {size} --report r.json")).succeeds();
+        let (_, quads) = read_quads(&bench.path("out.obj"));
+        let wanted = area / (length * length);
+        let asked = report(&bench, "r.json")["count"]["asked"].as_f64().expect("a count");
+        assert!((asked - wanted).abs() <= 0.5 + 1e-6 * wanted, "{size}: {asked} for {wanted}");
+        assert!((quads.len() as f64 / asked - 1.0).abs() <= 0.1, "{size}: {} of {asked}", quads.len());
+    }
+}
+
+#[test]
+fn a_tighter_tolerance_is_met_or_missed_aloud() {
+    let bench = Bench::new();
+    let ran = bench.line("remesh sample:torus -o out.obj --quads 700 --tolerance 2");
+    let (_, quads) = read_quads(&bench.path("out.obj"));
+    let met = (quads.len() as f64 / 700.0 - 1.0).abs() <= 0.02;
+    assert_eq!(ran.code, if met { 0 } else { 6 }, "{} quads: {}", quads.len(), ran.stderr);
+    assert_eq!(ran.stderr.contains("instead of 700"), !met, "{}", ran.stderr);
+}
+
+#[test]
+fn free_boundaries_and_direct_rounding_keep_the_topology() {
+    let bench = Bench::new();
+    for options in ["--keep-boundary false", "--method direct"] {
+        bench.line(&format!("remesh sample:cylinder -o out.obj --quads 400 --tolerance 30 {options}")).succeeds();
+        let (points, quads) = read_quads(&bench.path("out.obj"));
+        let (chi, components, boundary) = topology(points.len(), &quads);
+        assert_eq!((chi, components), (0, 1), "{options}");
+        assert!(boundary > 0, "{options}");
+    }
+}
+
+#[test]
+fn components_get_shares_by_their_area() {
+    let bench = Bench::new();
+    let (points, faces) = shape(&bench, "sphere");
+    let (mut all, mut sides) = (Vec::new(), Vec::new());
+    for (i, radius) in [1.0, 2.0, 3.0].into_iter().enumerate() {
+        all.extend(points.iter().map(|p| [radius * p[0] + 8.0 * i as f64, radius * p[1], radius * p[2]]));
+        sides.extend(faces.iter().map(|f| f.iter().map(|v| v + i * points.len()).collect::<Vec<_>>()));
+    }
+    write_obj(&bench, "three.obj", &all, &sides);
+    bench.line("remesh three.obj -o out.obj --quads 1400 --report r.json").succeeds();
+    let report = report(&bench, "r.json");
+    let reached: Vec<f64> = report["components"]
+        .as_array()
+        .expect("components")
+        .iter()
+        .map(|c| c["reached"].as_f64().expect("a count"))
+        .collect();
+    for (reached, share) in reached.iter().zip([100.0, 400.0, 900.0]) {
+        assert!((reached / share - 1.0).abs() < 0.2, "{reached} quads for a share of {share}");
+    }
+    let (points, quads) = read_quads(&bench.path("out.obj"));
+    assert_eq!(topology(points.len(), &quads), (6, 3, 0));
+}
