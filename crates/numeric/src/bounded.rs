@@ -96,7 +96,7 @@ pub(crate) fn round_bounded(
     };
     state.settle(rows);
     let mut open: VecDeque<Decision> = VecDeque::new();
-    let mut returns = 0;
+    let mut returns = if relaxed.len() > MOST_CAREFUL { MOST_RETURNS } else { 0 };
     while let Some(j) = state.nearest() {
         if cancelled() {
             return None;
@@ -137,6 +137,10 @@ struct Decision {
     integer: usize,
     other: f64,
 }
+
+/// More integers than this are rounded without a second thought: what they miss is better mended around the rows that
+/// are missed, over few integers.
+const MOST_CAREFUL: usize = 150;
 
 /// Decisions that can still be taken back: each holds k² numbers.
 const MOST_OPEN: usize = 24;

@@ -445,18 +445,18 @@ fn solve_row(
 }
 
 /// Accumulates a sparse vector; dense scratch, cost by what was touched.
-struct SparseSum {
+pub(crate) struct SparseSum {
     value: Vec<f64>,
     magnitude: Vec<f64>,
     touched: Vec<u32>,
 }
 
 impl SparseSum {
-    fn new(n: usize) -> Self {
+    pub fn new(n: usize) -> Self {
         Self { value: vec![0.0; n], magnitude: vec![0.0; n], touched: Vec::new() }
     }
 
-    fn add(&mut self, k: u32, c: f64) {
+    pub fn add(&mut self, k: u32, c: f64) {
         if self.magnitude[k as usize] == 0.0 {
             self.touched.push(k);
         }
@@ -464,7 +464,18 @@ impl SparseSum {
         self.magnitude[k as usize] += c.abs();
     }
 
-    fn take(&mut self) -> Vec<(u32, f64)> {
+    /// All that was added to, sums that cancelled too, so that what is taken does not depend on values.
+    pub fn take_pattern(&mut self) -> Vec<(u32, f64)> {
+        self.touched.sort_unstable();
+        let mut terms = Vec::with_capacity(self.touched.len());
+        for k in self.touched.drain(..) {
+            self.magnitude[k as usize] = 0.0;
+            terms.push((k, std::mem::take(&mut self.value[k as usize])));
+        }
+        terms
+    }
+
+    pub fn take(&mut self) -> Vec<(u32, f64)> {
         self.touched.sort_unstable();
         let mut terms = Vec::with_capacity(self.touched.len());
         for k in self.touched.drain(..) {

@@ -5,7 +5,7 @@
 //!
 //! Source: [Bommes2012] §5.1.2, Eq. (5.8)-(5.10): Ã = BᵀAB, b̃ = Bᵀ(b − Ac).
 
-use crate::elimination::Elimination;
+use crate::elimination::{Elimination, SparseSum};
 use crate::quadratic::{Quadratic, Square};
 use crate::sparse::{SparseSymmetric, Triplet};
 
@@ -52,22 +52,78 @@ impl Substitution {
     pub fn expression(&self, i: usize) -> (&[(u32, f64)], f64) {
         (&self.terms[self.starts[i]..self.starts[i + 1]], self.constants[i])
     }
+
+    /// Per active variable, the variables that depend on it, ascending.
+    fn transposed(&self, n: usize) -> Rows {
+        let mut start = vec![0; n + 1];
+        self.terms.iter().for_each(|t| start[t.0 as usize + 1] += 1);
+        (0..n).for_each(|k| start[k + 1] += start[k]);
+        let (mut at, mut entries) = (start.clone(), vec![(0, 0.0); self.terms.len()]);
+        for i in 0..self.constants.len() {
+            for &(k, c) in self.expression(i).0 {
+                entries[at[k as usize]] = (i as u32, c);
+                at[k as usize] += 1;
+            }
+        }
+        Rows { start, entries }
+    }
 }
 
 /// The energy over the active variables.
+///
+/// # Cost  a product of sparse matrices: per variable, the length of its expression times that of its row of A·B
 pub(crate) fn reduce(quadratic: &Quadratic, substitution: &Substitution) -> Reduced {
     let n = substitution.active.len();
     let mut assembly = Assembly { triplets: Vec::new(), rhs: vec![0.0; n], square: Vec::new() };
-    for &(i, j, a) in quadratic.entries() {
-        assembly.add_entry(substitution.expression(i), substitution.expression(j), i == j, a);
+    // 1. Rows of A·B, and Bᵀ(b − Ac).
+    let entries: Vec<Triplet> = quadratic.entries().iter().map(|&(i, j, a)| (i as u32, j as u32, a)).collect();
+    let full = SparseSymmetric::from_triplets(quadratic.n(), &entries);
+    drop(entries);
+    let mut sum = SparseSum::new(n);
+    let mut product = Rows { start: vec![0], entries: Vec::new() };
+    for i in 0..quadratic.n() {
+        let own = substitution.expression(i).0;
+        let (columns, values) = full.row(i);
+        let mut constant = 0.0;
+        if !own.is_empty() {
+            for (&j, a) in columns.iter().zip(values) {
+                let (terms, offset) = substitution.expression(j as usize);
+                constant += a * offset;
+                terms.iter().for_each(|&(l, b)| sum.add(l, a * b));
+            }
+            product.entries.extend(sum.take_pattern());
+        }
+        product.start.push(product.entries.len());
+        own.iter().for_each(|&(k, c)| assembly.rhs[k as usize] -= c * constant);
     }
     for &(i, b) in quadratic.rhs() {
         substitution.expression(i).0.iter().for_each(|&(k, c)| assembly.rhs[k as usize] += b * c);
     }
+    // 2. Rows of Bᵀ·(A·B), the upper triangle.
+    let transposed = substitution.transposed(n);
+    for k in 0..n as u32 {
+        for &(i, c) in transposed.row(k as usize) {
+            product.row(i as usize).iter().filter(|(l, _)| *l >= k).for_each(|&(l, v)| sum.add(l, c * v));
+        }
+        assembly.triplets.extend(sum.take_pattern().into_iter().map(|(l, v)| (k, l, v)));
+    }
+    // 3. Squares.
     for square in quadratic.squares() {
         assembly.add_square(square, substitution);
     }
     Reduced { matrix: SparseSymmetric::from_triplets(n, &assembly.triplets), rhs: assembly.rhs }
+}
+
+/// Sparse rows, flat.
+struct Rows {
+    start: Vec<usize>,
+    entries: Vec<(u32, f64)>,
+}
+
+impl Rows {
+    fn row(&self, i: usize) -> &[(u32, f64)] {
+        &self.entries[self.start[i]..self.start[i + 1]]
+    }
 }
 
 struct Assembly {
@@ -77,21 +133,6 @@ struct Assembly {
 }
 
 impl Assembly {
-    /// a·x_i·x_j, or ½a·x_i² on the diagonal, with x_i = Σ p_k y_k + c and x_j = Σ q_l y_l + e.
-    fn add_entry(&mut self, (p, c): (&[(u32, f64)], f64), (q, e): (&[(u32, f64)], f64), diagonal: bool, a: f64) {
-        if diagonal {
-            return self.add_outer(p, c, a);
-        }
-        for &(k, pk) in p {
-            for &(l, ql) in q {
-                let twice = if k == l { 2.0 } else { 1.0 };
-                self.triplets.push((k, l, twice * a * pk * ql));
-            }
-        }
-        p.iter().for_each(|&(k, pk)| self.rhs[k as usize] -= a * pk * e);
-        q.iter().for_each(|&(l, ql)| self.rhs[l as usize] -= a * ql * c);
-    }
-
     /// ½a·(Σ p_k y_k + c)², the variables of p distinct.
     fn add_outer(&mut self, p: &[(u32, f64)], c: f64, a: f64) {
         for (at, &(k, pk)) in p.iter().enumerate() {

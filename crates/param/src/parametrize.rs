@@ -262,8 +262,10 @@ impl<'a> Parametrizer<'a> {
         if report.stiffen.inverted_after == 0 {
             return Ok(if report.stiffen.iterations == 0 { Rung::Solved } else { Rung::Stiffened });
         }
-        report.untangle = untangle(self.mesh, placed, gradient, untangling, progress);
-        progress.check()?;
+        if report.stiffen.inverted_after <= MOST_UNTANGLED {
+            report.untangle = untangle(self.mesh, placed, gradient, untangling, progress);
+            progress.check()?;
+        }
         Ok(Rung::Untangled)
     }
 
@@ -416,6 +418,9 @@ impl<'a> Parametrizer<'a> {
 /// crumb of a hundred faces would else take as long as a whole model, and many models have a hundred crumbs.
 const LEAST_STEPS: u32 = 300;
 
+/// Inverted faces of a followed map beyond which its integers are not worth another attempt.
+const HOPELESS_FOLLOWING: usize = 800;
+
 /// Attempts at points for separated integers; the first one suffices for most maps.
 const FOLLOWING_ROUNDS: u32 = 4;
 
@@ -443,6 +448,9 @@ const HOPELESS_FOLDS: usize = 12;
 ///
 /// Folds go down in nearly every round where they go away at all.
 const ROUNDS_IN_VAIN: u32 = 3;
+
+/// Inverted faces beyond which the first integers are taken to be wrong and only others can help.
+const MOST_UNTANGLED: usize = 120;
 
 /// Faces that a report names.
 const MAX_NAMED_FACES: usize = 20;

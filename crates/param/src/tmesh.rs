@@ -80,6 +80,8 @@ pub fn trace(
     tracer.follow_features();
     tracer.start_traces();
     tracer.run(progress)?;
+    tracer.start_feelers();
+    tracer.run(progress)?;
     Ok(tracer.finish())
 }
 
@@ -151,6 +153,8 @@ struct Line {
     junctions: Vec<Junction>,
     end: Option<Junction>,
     on_feature: bool,
+    /// Whether it only measures: nothing ends on it, and it leaves no junction where it ends.
+    is_feeler: bool,
 }
 
 /// A line as seen in one face: its source and direction in the face's chart.
@@ -293,7 +297,7 @@ impl<'a> Tracer<'a> {
         let mesh = self.mesh;
         let line = self.lines.len() as u32;
         let start = Some(self.node_of[mesh.origin(first)]).filter(|&n| n != u32::MAX);
-        self.lines.push(Line { start, junctions: Vec::new(), end: None, on_feature: true });
+        self.lines.push(Line { start, junctions: Vec::new(), end: None, on_feature: true, is_feeler: false });
         let place = self.new_place(first);
         let mut passage =
             Passage { line, direction: self.side_direction(first), source: self.map.uv[first], place, end: i64::MAX };
@@ -364,6 +368,7 @@ impl<'a> Tracer<'a> {
                     junctions: Vec::new(),
                     end: None,
                     on_feature: false,
+                    is_feeler: false,
                 });
                 let place = self.new_place(h);
                 let passage = Passage { line, direction: d, source: a, place, end: i64::MAX };
@@ -373,6 +378,55 @@ impl<'a> Tracer<'a> {
             }
         }
         self.state.resize(self.lines.len(), None);
+    }
+
+    /// From every feature without an integer vertex, a line to whatever is opposite on each side: nothing else says how
+    /// far such a feature is from the next one.
+    fn start_feelers(&mut self) {
+        let mesh = self.mesh;
+        let mut felt = vec![false; self.lines.len()];
+        for h in mesh.half_edges() {
+            let Some(side) = self.feature_side[h] else { continue };
+            let line = side.line as usize;
+            if self.lines[line].start.is_none() && !std::mem::replace(&mut felt[line], true) {
+                self.start_feeler(h);
+            }
+        }
+    }
+
+    /// Square to the left of a side of a feature, from its origin.
+    fn start_feeler(&mut self, side: HalfEdgeId) {
+        let mesh = self.mesh;
+        let line = self.lines.len() as u32;
+        let place = self.new_place(side);
+        let direction = (self.side_direction(side) + 1) % 4;
+        let mut passage = Passage { line, direction, source: self.map.uv[side], place, end: i64::MAX };
+        let mut corner = side;
+        loop {
+            let [a, b, c] = [corner, mesh.next(corner), mesh.prev(corner)].map(|x| self.map.uv[x]);
+            let u = unit(passage.direction);
+            let tip = [a[0] + u[0], a[1] + u[1]];
+            if signed_area(a, b, tip) >= 0 && signed_area(a, tip, c) > 0 {
+                break;
+            }
+            // Counter-clockwise around the vertex.
+            let g = mesh.prev(corner);
+            let Some(twin) = mesh.twin(g).filter(|_| self.feature_side[g].is_none()) else { return };
+            passage = self.carry(g, passage);
+            corner = twin;
+        }
+        let node = self.pinned.len() as u32;
+        self.pinned.push(true);
+        self.lines.push(Line {
+            start: Some(node),
+            junctions: Vec::new(),
+            end: None,
+            on_feature: false,
+            is_feeler: true,
+        });
+        self.state.resize(self.lines.len(), None);
+        self.state[line as usize] = Some((passage, mesh.face(corner), None));
+        self.queue.push(Reverse((0, line)));
     }
 
     fn run(&mut self, progress: &Progress) -> Result<(), TraceError> {
@@ -392,19 +446,24 @@ impl<'a> Tracer<'a> {
     /// Crosses one face: ends on the first line met, or goes on through the side ahead.
     fn step(&mut self, line: u32) -> Result<(), TraceError> {
         let Some((mut passage, face, entered)) = self.state[line as usize].take() else { return Ok(()) };
+        let is_feeler = self.lines[line as usize].is_feeler;
         // 1. The nearest line that crosses ours in this face.
         if let Some((other, distance)) = self.first_crossing(&passage, face) {
             let node = self.pinned.len() as u32;
             self.pinned.push(false);
             let met = self.along(&other, passage.source, passage.place, node);
             let end = self.along(&passage, other.source, other.place, node);
-            self.lines[other.line as usize].junctions.push(met);
             self.lines[line as usize].end = Some(end);
-            passage.end = distance;
-            self.passages[face].push(passage);
+            if !is_feeler {
+                self.lines[other.line as usize].junctions.push(met);
+                passage.end = distance;
+                self.passages[face].push(passage);
+            }
             return Ok(());
         }
-        self.passages[face].push(passage);
+        if !is_feeler {
+            self.passages[face].push(passage);
+        }
         // 2. An integer vertex exactly ahead.
         if let Some(corner) = self.vertex_ahead(&passage, face, entered) {
             let place = self.new_place(corner);
@@ -420,7 +479,9 @@ impl<'a> Tracer<'a> {
             self.pinned.push(true);
             let met = self.along(&side, passage.source, passage.place, node);
             let end = self.along(&passage, side.source, side.place, node);
-            self.lines[side.line as usize].junctions.push(met);
+            if !is_feeler {
+                self.lines[side.line as usize].junctions.push(met);
+            }
             self.lines[line as usize].end = Some(end);
             return Ok(());
         }
@@ -482,10 +543,7 @@ impl<'a> Tracer<'a> {
         };
         match entered {
             None => {
-                let corner = mesh
-                    .face_half_edges(face)
-                    .into_iter()
-                    .find(|&h| self.map.uv[h] == p.source && self.charts.is_integer[mesh.origin(h)]);
+                let corner = mesh.face_half_edges(face).into_iter().find(|&h| self.map.uv[h] == p.source);
                 corner.map(|h| mesh.next(h)).ok_or(TraceError::Stuck(face))
             }
             Some(g) => {
