@@ -76,6 +76,9 @@ pub struct RemeshArgs {
     /// How strongly quads stretch where the surface is straight, 0 to 1
     #[arg(long, value_name = "A", default_value_t = 0.0, help_heading = "Size")]
     pub anisotropy: f64,
+    /// How far sizes may follow the cross field so that quads stay square, 0 to 1
+    #[arg(long, value_name = "A", default_value_t = 0.6, help_heading = "Size")]
+    pub curl_correction: f64,
     /// Vertex attribute of the input that multiplies the density of quads
     #[arg(long, value_name = "NAME", help_heading = "Size")]
     pub density: Option<String>,

@@ -65,7 +65,13 @@ pub struct FeatureOptions {
 
 impl Default for FeatureOptions {
     fn default() -> Self {
-        Self { sharp_angle: Some(35.0), corner_angle: 50.0, min_loose_length: 0.0, min_piece_length: 0.0, min_contrast: 0.0 }
+        Self {
+            sharp_angle: Some(35.0),
+            corner_angle: 50.0,
+            min_loose_length: 0.0,
+            min_piece_length: 0.0,
+            min_contrast: 0.0,
+        }
     }
 }
 

@@ -401,7 +401,8 @@ impl<'a> Parametrizer<'a> {
                     separation.followings = round + 1;
                 }
             }
-            if count == 0 || steps > self.most_steps() || progress.cancelled() {
+            let hopeless = folded.len() > HOPELESS_FOLLOWING || steps > self.most_steps();
+            if count == 0 || hopeless || progress.cancelled() {
                 break;
             }
         }

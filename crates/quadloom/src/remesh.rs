@@ -173,6 +173,7 @@ fn requests<'a>(
                 adaptivity: options.adaptivity,
                 adapt_to: options.adapt_to,
                 anisotropy: options.anisotropy,
+                curl_correction: options.curl_correction,
                 density: None,
             },
             singularities: Vec::new(),

@@ -8,7 +8,7 @@ use crate::options::AdaptTo;
 use crate::stages::WorkMesh;
 use quadloom_field::curvature::curvatures;
 use quadloom_field::sizing::{CurvatureSizing, local_feature_size};
-use quadloom_field::{CrossField, Curvature, SizeField};
+use quadloom_field::{CrossField, Curvature, SizeField, Transport};
 use quadloom_mesh::closest::ClosestPoint;
 use quadloom_mesh::{Cancelled, FaceMap, Progress, TriMesh, VertexMap, metric};
 
@@ -21,12 +21,17 @@ pub struct SizeRequest {
     pub adapt_to: AdaptTo,
     /// How strongly quads stretch along low curvature, 0..=1.
     pub anisotropy: f64,
+    /// How far lengths follow the field so that its crosses scaled by them have less curl, 0..=1.
+    pub curl_correction: f64,
     /// Relative number of quads per area at every vertex of the surface.
     pub density: Option<VertexMap<f64>>,
 }
 
 /// Shortest and longest length, relative to the mean: the work mesh has room for quads of half its usual size.
 const RANGE: f64 = 2.0;
+
+/// Largest factor by which the curl correction changes lengths.
+const CURL_RANGE: f64 = 1.5;
 
 /// Growth of lengths per unit of distance: doubled over about three quads.
 const GROWTH: f64 = 0.3;
@@ -38,7 +43,7 @@ const LEAST_DENSITY: f64 = 1.0 / 16.0;
 const LEAST_FEATURE_SIZE: f64 = 1e-3;
 
 impl SizeRequest {
-    /// Whether all quads are to be squares of one size.
+    /// Whether all quads are to be squares of about one size.
     pub fn is_uniform(&self) -> bool {
         self.adaptivity == 0.0 && self.anisotropy == 0.0 && self.density.is_none()
     }
@@ -77,7 +82,17 @@ pub fn relative_sizes(
         let wanted = SizeField::by_density(mesh, &here, LEAST_DENSITY);
         size = multiplied(&size, &wanted);
     }
-    // 3. No jumps, and one quad per unit of area in the mean.
+    // 3. Less curl, so that quads need not shear.
+    if request.curl_correction > 0.0 {
+        let length = metric::edge_lengths(mesh);
+        let transport = Transport::new(mesh, &length);
+        // Where the potential cannot be solved for, sizes stay as they are: the map copes with more curl too.
+        let strength = request.curl_correction;
+        if let Ok(corrected) = size.curl_corrected(mesh, &transport, &length, field, strength, CURL_RANGE) {
+            size = corrected;
+        }
+    }
+    // 4. No jumps, and one quad per unit of area in the mean.
     let whole: f64 = area.values().iter().sum();
     let graded = if request.is_uniform() { size } else { size.graded(mesh, field, GROWTH) };
     Ok(graded.normalized(&area, whole))

@@ -262,6 +262,36 @@ mod tests {
     use super::*;
     use quadloom_mesh::{Summary, VertexId};
 
+    fn features_of(mesh: &TriMesh) -> FeatureGraph {
+        FeatureGraph::detect(mesh, &quadloom_mesh::features::FeatureOptions::default()).0
+    }
+
+    #[test]
+    fn shapes_become_mostly_regular_quads_near_the_count() {
+        for name in ["bracket", "plate", "genus2"] {
+            let mesh = quadloom_mesh::shapes::sample(name).expect("a sample");
+            let features = features_of(&mesh);
+            let goal = CountGoal { quads: 1200.0, tolerance: 0.1, solves: 4 };
+            let quads = split_surface(&mesh, &features, goal, &Progress::none()).expect("quads");
+            assert!(verify(&quads, &Reference::new(&mesh, &features)).passed());
+            assert!((quads.face_count() as f64 / 1200.0 - 1.0).abs() < 0.25, "{name}: {} quads", quads.face_count());
+            let irregular = quads.vertices().filter(|&v| !quads.is_boundary_vertex(v) && quads.valence(v) != 4).count();
+            assert!(4 * irregular < quads.vertex_count(), "{name}: {irregular} of {} vertices", quads.vertex_count());
+        }
+    }
+
+    /// A sheet thinner than the quads: points of one side lie nearest to the other side.
+    #[test]
+    fn a_thin_sheet_has_quads_on_both_sides() {
+        let square = quadloom_mesh::shapes::cube(1.0, 12);
+        let flat = square.positions().values().iter().map(|p| DVec3::new(p.x, p.y, 0.01 * p.z)).collect();
+        let sheet = TriMesh::new(flat, &square.to_faces()).expect("a sheet");
+        let features = features_of(&sheet);
+        let goal = CountGoal { quads: 400.0, tolerance: 0.1, solves: 4 };
+        let quads = split_surface(&sheet, &features, goal, &Progress::none()).expect("quads");
+        assert!(verify(&quads, &Reference::new(&sheet, &features)).passed());
+    }
+
     #[test]
     fn an_open_and_a_closed_mesh_keep_their_topology() {
         let corner = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];

@@ -81,6 +81,7 @@ fn options(args: &RemeshArgs, soup: &FaceSoup) -> Result<RemeshOptions, RemeshEr
             AdaptToArg::FeatureSize => AdaptTo::FeatureSize,
         },
         anisotropy: args.anisotropy,
+        curl_correction: args.curl_correction,
         density: args.density.clone(),
         field: field.map(|directions| GivenField { directions }),
         singularities,
