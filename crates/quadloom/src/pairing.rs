@@ -256,7 +256,7 @@ fn corner_angle(mesh: &TriMesh, h: HalfEdgeId) -> f64 {
 mod tests {
     use super::*;
     use quadloom_mesh::features::FeatureOptions;
-    use quadloom_mesh::sample;
+    use quadloom_mesh::shapes::sample;
 
     #[test]
     fn pairs_are_disjoint_and_keep_features_and_faces_around_vertices() {
