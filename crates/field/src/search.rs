@@ -61,7 +61,7 @@ pub(crate) struct SearchCounts {
 const WAY_OUT_VERTICES: usize = 60;
 
 /// Vertices beside the given ones, without them: on curves singularities have room, next to them they have not.
-pub(crate) fn beside(mesh: &TriConnectivity, on_curve: &VertexMap<bool>) -> VertexMap<bool> {
+fn beside(mesh: &TriConnectivity, on_curve: &VertexMap<bool>) -> VertexMap<bool> {
     VertexMap::from_fn(mesh.vertex_count(), |v| !on_curve[v] && mesh.neighbours(v).any(|w| on_curve[w]))
 }
 
@@ -74,6 +74,10 @@ pub(crate) struct Search<'a> {
     options: &'a FieldOptions,
     /// Edges whose jump stays.
     kept: EdgeMap<bool>,
+    /// Vertices of curves that singularities should be clear of.
+    on_curve: VertexMap<bool>,
+    /// Vertices beside those.
+    crowded: VertexMap<bool>,
     /// Vertices of equal group may exchange index: 0 is free, others have prescribed sums.
     group: VertexMap<u32>,
     /// Price of a quarter of index at each vertex; 0 on the boundary, where indices are not counted.
@@ -108,9 +112,11 @@ impl<'a> Search<'a> {
         system: &'a SmoothnessSystem<'a>,
         group: VertexMap<u32>,
         period_jump: EdgeMap<i32>,
-        crowded: &VertexMap<bool>,
         options: &'a FieldOptions,
     ) -> Self {
+        let mut on_curve = VertexMap::filled(mesh.vertex_count(), false);
+        options.clear_of.iter().for_each(|&v| on_curve[v] = true);
+        let crowded = beside(mesh, &on_curve);
         let mut kept = EdgeMap::filled(mesh.edge_count(), false);
         options.kept.iter().for_each(|&e| kept[e] = true);
         let price = VertexMap::from_fn(mesh.vertex_count(), |v| match mesh.is_boundary_vertex(v) {
@@ -124,6 +130,8 @@ impl<'a> Search<'a> {
             system,
             options,
             kept,
+            on_curve,
+            crowded,
             group,
             price,
             field: CrossField { angle: FaceMap::filled(0, 0.0), period_jump },
@@ -171,11 +179,11 @@ impl<'a> Search<'a> {
     /// the curves.
     ///
     /// Not at the least energy: the singularity comes to rest in the next ring, where a map has room for it.
-    pub fn move_clear(&mut self, on_curve: &VertexMap<bool>, crowded: &VertexMap<bool>) {
-        let found: Vec<VertexId> = self.mesh.vertices().filter(|&v| crowded[v] && self.index[v] != 0).collect();
+    pub fn move_clear(&mut self) {
+        let found: Vec<VertexId> = self.mesh.vertices().filter(|&v| self.crowded[v] && self.index[v] != 0).collect();
         for &v in &found {
             let quarters = self.index[v];
-            let Some(path) = self.way_out(v, on_curve, crowded) else { continue };
+            let Some(path) = self.way_out(v) else { continue };
             let mut at = v;
             for e in path {
                 let [a, b] = self.mesh.ends(e);
@@ -189,12 +197,12 @@ impl<'a> Search<'a> {
     }
 
     /// Edges of a shortest path to a vertex away from the curves without another singularity beside it.
-    fn way_out(&self, from: VertexId, on_curve: &VertexMap<bool>, crowded: &VertexMap<bool>) -> Option<Vec<EdgeId>> {
+    fn way_out(&self, from: VertexId) -> Option<Vec<EdgeId>> {
         let mut through: BTreeMap<VertexId, EdgeId> = BTreeMap::new();
         let mut queue = std::collections::VecDeque::from([from]);
         while let Some(v) = queue.pop_front() {
             let free = |w: VertexId| w == from || self.index[w] == 0;
-            if v != from && !crowded[v] && free(v) && self.mesh.neighbours(v).all(free) {
+            if v != from && !self.crowded[v] && free(v) && self.mesh.neighbours(v).all(free) {
                 let (mut path, mut at) = (Vec::new(), v);
                 while at != from {
                     let e = through[&at];
@@ -211,7 +219,7 @@ impl<'a> Search<'a> {
             for e in self.mesh.vertex_edges(v) {
                 let [a, b] = self.mesh.ends(e);
                 let w = if a == v { b } else { a };
-                let open = !on_curve[w] && !self.mesh.is_boundary_vertex(w) && w != from && free(w);
+                let open = !self.on_curve[w] && !self.mesh.is_boundary_vertex(w) && w != from && free(w);
                 if open && !through.contains_key(&w) && self.is_passable(e) {
                     through.insert(w, e);
                     queue.push_back(w);

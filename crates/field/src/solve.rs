@@ -15,7 +15,7 @@ use crate::constraints::{FieldConstraints, SoftDirection};
 use crate::cross_field::{CrossField, nearest_jump};
 use crate::error::FieldError;
 use crate::mixed_integer::mixed_integer_jumps;
-use crate::search::{Search, beside, index_groups};
+use crate::search::{Search, index_groups};
 use crate::smoothest::{COARSEST, smoothest_angles};
 use crate::system::{Roots, SmoothnessSystem};
 use crate::transport::Transport;
@@ -143,12 +143,9 @@ pub fn solve_cross_field(
     report.rounding = rounded;
     let system = SmoothnessSystem::new(mesh, transport, roots.clone())?;
     report.free_faces = system.free_faces();
-    let mut on_curve = VertexMap::filled(mesh.vertex_count(), false);
-    options.clear_of.iter().for_each(|&v| on_curve[v] = true);
-    let crowded = beside(mesh, &on_curve);
     let begin = |jumps| {
         let groups = index_groups(mesh, constraints.index_sums());
-        Search::new(mesh, transport, length, &system, groups, jumps, &crowded, options)
+        Search::new(mesh, transport, length, &system, groups, jumps, options)
     };
     let mut search = begin(period_jump);
     // 3. Prescriptions, which the smoothest start does not know.
@@ -166,7 +163,7 @@ pub fn solve_cross_field(
     let clock = Instant::now();
     if options.local_search {
         search.run(progress)?;
-        search.move_clear(&on_curve, &crowded);
+        search.move_clear();
     }
     report.moves = search.counts.moves;
     report.twists = search.counts.twists;

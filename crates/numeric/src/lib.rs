@@ -42,7 +42,7 @@ pub use exact::{Branching, ExactOptions, ExactReport, Selection};
 pub use ladder::LadderOptions;
 pub use quadratic::{Quadratic, Square};
 pub use solver::{
-    DENSE_LIMIT, IntegerProblem, MixedIntegerProblem, Rounding, SCHUR_LIMIT, Solution, SolveOptions, SolveReport,
-    Solver, StageSeconds, Updates, solve,
+    DENSE_LIMIT, IntegerProblem, IntegerSum, MixedIntegerProblem, Rounding, SCHUR_LIMIT, Solution, SolveOptions,
+    SolveReport, Solver, StageSeconds, Updates, solve,
 };
 pub use sparse::{SparseSymmetric, Triplet};

@@ -560,6 +560,15 @@ fn follow_integers(cholesky: &SparseCholesky, integers: &[u32], factor: &faer::M
     y.iter_mut().zip(&move_all).for_each(|(value, step)| *value += step);
 }
 
+/// Σ coefficient·(free integer) + constant.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct IntegerSum {
+    /// Numbers of free integers with their coefficients, ascending.
+    pub terms: Vec<(u32, f64)>,
+    /// The constant.
+    pub constant: f64,
+}
+
 /// The free integers of one energy, with everything else at its optimum: for roundings under changing bounds.
 #[derive(Debug)]
 pub struct IntegerProblem<'a> {
@@ -649,7 +658,7 @@ impl IntegerProblem<'_> {
     }
 
     /// A sum of variables as a sum over the free integers and a constant; `None` where continuous variables remain.
-    pub fn over_integers(&self, terms: impl Iterator<Item = (usize, f64)>) -> Option<(Vec<(u32, f64)>, f64)> {
+    pub fn over_integers(&self, terms: impl Iterator<Item = (usize, f64)>) -> Option<IntegerSum> {
         let (mut sum, mut constant) = (std::collections::BTreeMap::<u32, f64>::new(), 0.0);
         for (variable, c) in terms {
             let (expression, offset) = self.substitution.expression(variable);
@@ -661,7 +670,7 @@ impl IntegerProblem<'_> {
         }
         let left = sum.into_iter().filter(|t| t.1.abs() > 1e-12);
         let over: Option<Vec<(u32, f64)>> = left.map(|(at, c)| Some((self.number[at as usize]?, c))).collect();
-        Some((over?, constant))
+        Some(IntegerSum { terms: over?, constant })
     }
 
     /// Greedy rounding under lower bounds.
@@ -710,7 +719,7 @@ impl IntegerProblem<'_> {
             let terms: Vec<(u32, f64)> =
                 bound.terms.iter().filter_map(|&(i, c)| Some((number[i as usize]?, c))).collect();
             let known: f64 = bound.terms.iter().filter_map(|&(i, c)| Some(c * values[i as usize]?)).sum();
-            (!terms.is_empty()).then(|| LowerBound { terms, least: bound.least - known })
+            (!terms.is_empty()).then_some(LowerBound { terms, least: bound.least - known })
         };
         let bounds: Vec<LowerBound> = bounds.iter().filter_map(rest).collect();
         // 3. Rounding.

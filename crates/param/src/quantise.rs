@@ -9,7 +9,7 @@
 
 use crate::tmesh::{Arc, Form, TMesh};
 use quadloom_mesh::FaceId;
-use quadloom_numeric::{IntegerProblem, LowerBound, SolveError, SolveOptions};
+use quadloom_numeric::{IntegerProblem, IntegerSum, LowerBound, SolveError, SolveOptions};
 use std::collections::BTreeMap;
 
 /// How long separation goes on.
@@ -57,7 +57,7 @@ const LARGEST_MARGIN: f64 = 3.0;
 /// Lengths of arcs over the free integers.
 struct Lengths {
     /// Per arc its sum and constant; `None` where its length is not a matter of integers alone.
-    of_arc: Vec<Option<(Vec<(u32, f64)>, f64)>>,
+    of_arc: Vec<Option<IntegerSum>>,
 }
 
 impl Lengths {
@@ -67,9 +67,8 @@ impl Lengths {
     }
 
     fn values(&self, z: &[f64]) -> Vec<f64> {
-        let value = |(terms, constant): &(Vec<(u32, f64)>, f64)| {
-            (terms.iter().map(|&(i, c)| c * z[i as usize]).sum::<f64>() + constant).round()
-        };
+        let value =
+            |sum: &IntegerSum| (sum.terms.iter().map(|&(i, c)| c * z[i as usize]).sum::<f64>() + sum.constant).round();
         self.of_arc.iter().map(|arc| arc.as_ref().map_or(f64::INFINITY, value)).collect()
     }
 
@@ -77,9 +76,9 @@ impl Lengths {
     fn bound(&self, arcs: &[usize], least: f64) -> Option<LowerBound> {
         let (mut sum, mut constant) = (BTreeMap::<u32, f64>::new(), 0.0);
         for &i in arcs {
-            let (terms, c) = self.of_arc[i].as_ref()?;
-            constant += c;
-            terms.iter().for_each(|&(k, c)| *sum.entry(k).or_insert(0.0) += c);
+            let length = self.of_arc[i].as_ref()?;
+            constant += length.constant;
+            length.terms.iter().for_each(|&(k, c)| *sum.entry(k).or_insert(0.0) += c);
         }
         let terms: Vec<(u32, f64)> = sum.into_iter().filter(|t| t.1.abs() > 1e-9).collect();
         (!terms.is_empty()).then_some(LowerBound { terms, least: least - constant })
