@@ -54,9 +54,11 @@ pub struct FeatureOptions {
     /// Turn of a chain from which a vertex is a corner, degrees. Default 50: below it a polygonal circle of eight
     /// sides stays one smooth chain, above it a hexagon does.
     pub corner_angle: f64,
-    /// Open sharp chains with two loose ends shorter than this are dropped, file units. Default 0: none is.
+    /// Connected pieces of sharp edges with an open end, and not attached to a boundary or guide, that are shorter than
+    /// this are dropped, file units. Default 0: none is.
     pub min_loose_length: f64,
-    /// Connected pieces of sharp edges shorter than this are dropped, closed ones too, file units. Default 0: none is.
+    /// Connected pieces of sharp edges that are shorter than this and not attached are dropped, closed ones too, file
+    /// units. Default 0: none is.
     pub min_piece_length: f64,
     /// Connected pieces of sharp edges with an open end are dropped if their median edge is fewer times sharper than the
     /// edges beside it. Default 0: none is.
@@ -212,11 +214,13 @@ impl FeatureGraph {
         let count = piece.iter().flatten().max().map_or(0, |&last| last + 1);
         // 1. Length and open ends of every piece.
         let ends_at = self.chain_ends(mesh);
-        let (mut length, mut loose) = (vec![0.0; count], vec![false; count]);
+        let (mut length, mut loose, mut attached) = (vec![0.0; count], vec![false; count], vec![false; count]);
+        let on_other = self.on_other_kinds(mesh);
         for (chain, &piece) in self.chains.iter().zip(&piece) {
             let Some(piece) = piece else { continue };
             let ends = [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]];
             loose[piece] |= !chain.closed && ends.iter().any(|&v| ends_at[v] == 1);
+            attached[piece] |= ends.iter().any(|&v| on_other[v]);
         }
         let piece_of = |e: EdgeId| piece[self.chain_of[e]? as usize];
         let mut contrast = vec![Vec::new(); count];
@@ -237,7 +241,8 @@ impl FeatureGraph {
         let unwanted: Vec<bool> = (0..count)
             .map(|i| {
                 let short = length[i] < options.min_piece_length;
-                short || (loose[i] && (length[i] < options.min_loose_length || blurred(&mut contrast[i])))
+                let short_and_loose = loose[i] && length[i] < options.min_loose_length;
+                (!attached[i] && (short || short_and_loose)) || (loose[i] && blurred(&mut contrast[i]))
             })
             .collect();
         mesh.edges().filter(|&e| piece_of(e).is_some_and(|piece| unwanted[piece])).collect()
@@ -275,6 +280,15 @@ impl FeatureGraph {
             }
         }
         number
+    }
+
+    /// Vertices of chains that are not sharp edges, the boundary's for instance.
+    fn on_other_kinds(&self, mesh: &TriMesh) -> VertexMap<bool> {
+        let mut on = VertexMap::filled(mesh.vertex_count(), false);
+        for chain in self.chains.iter().filter(|c| c.kind != FeatureKind::Sharp) {
+            chain.vertices.iter().for_each(|&v| on[v] = true);
+        }
+        on
     }
 
     /// Ends of open chains of any kind at each vertex.
@@ -319,6 +333,25 @@ mod tests {
     use crate::shapes;
     use glam::DVec3;
     use std::collections::BTreeMap;
+
+    #[test]
+    fn most_folds_of_noise_are_no_creases_but_those_of_a_solid_are() {
+        let options = FeatureOptions { min_contrast: 12.0, ..FeatureOptions::default() };
+        let bracket = shapes::sample("bracket").expect("a sample");
+        let (crisp, dropped) = FeatureGraph::detect(&bracket, &options);
+        assert!(crisp.edge_count() > 0 && dropped == 0, "dropped {dropped} of {}", crisp.edge_count());
+        // A sphere whose vertices move in and out at random has sharp edges everywhere and no crease.
+        let sphere = shapes::sphere(1.0, 4);
+        let rough = |v: VertexId| {
+            let random = (f64::from(v.0) * 12.9898).sin() * 43_758.547;
+            sphere.position(v) * (1.0 + 0.04 * (random - random.floor()))
+        };
+        let positions = sphere.vertices().map(rough).collect();
+        let noisy = TriMesh::new(positions, &sphere.to_faces()).expect("the same connectivity");
+        let (sharp, _) = FeatureGraph::detect(&noisy, &FeatureOptions::default());
+        let (kept, dropped) = FeatureGraph::detect(&noisy, &options);
+        assert!(sharp.edge_count() > 100 && dropped > 4 * kept.edge_count(), "{} {dropped}", kept.edge_count());
+    }
 
     /// Chains cover every feature edge once, run between corners, and pass no corner inside.
     fn check(mesh: &TriMesh, graph: &FeatureGraph) {

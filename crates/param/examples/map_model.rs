@@ -39,6 +39,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let field_options = FieldOptions {
             cancel_distance: 1.5 * edge,
             crowding_cost: std::env::var("CROWD").map_or(0.5, |x| x.parse().unwrap_or(0.5)),
+            singularity_cost: std::env::var("SCOST").map_or(0.0, |x| x.parse().unwrap_or(0.0)),
+            near_pair_cost: std::env::var("NPC").map_or(1.0, |x| x.parse().unwrap_or(1.0)),
             ..Default::default()
         };
         let (field, field_report): (CrossField, _) =
