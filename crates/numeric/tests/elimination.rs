@@ -44,6 +44,12 @@ fn rank(rows: &[(Vec<f64>, f64)]) -> usize {
     rank
 }
 
+/// All rows, to 1e-8, or to three digits above the rounding of the largest value.
+fn holds(rows: &[(Vec<f64>, f64)], x: &[f64]) -> bool {
+    let largest = x.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+    constraints(rows).worst_violation(x).is_none_or(|(v, _)| v < 1e-8f64.max(1e-13 * largest))
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
@@ -56,7 +62,7 @@ proptest! {
                 prop_assert_eq!(done.free().len(), N - rank(&rows));
                 prop_assert_eq!(done.dependent().len(), rows.len() - rank(&rows));
                 let x = done.expand(&y[..done.free().len()]);
-                prop_assert!(constraints(&rows).worst_violation(&x).is_none_or(|(v, _)| v < 1e-8));
+                prop_assert!(holds(&rows, &x), "{x:?}");
                 prop_assert!(done.restrict(&x).iter().zip(&y).all(|(a, b)| (a - b).abs() < 1e-9));
             }
             Err(SolveError::Contradiction { rows: named, .. }) => {
@@ -74,7 +80,7 @@ proptest! {
         let value = |(k, integer): (usize, &bool)| f64::from(y[k]) + if *integer { 0.0 } else { 0.37 };
         let y: Vec<f64> = done.free_is_integer().iter().enumerate().map(value).collect();
         let x = done.expand(&y);
-        prop_assert!(constraints(&rows).worst_violation(&x).is_none_or(|(v, _)| v < 1e-8));
+        prop_assert!(holds(&rows, &x), "{x:?}");
         prop_assert!((0..N).filter(|&i| flags[i]).all(|i| x[i].fract() == 0.0), "{x:?}");
     }
 }
@@ -94,4 +100,23 @@ fn long_chains_of_seam_rows_are_eliminated_quickly() {
     assert_eq!(done.free().len(), 51);
     assert!(done.free_is_integer().iter().filter(|&&integer| integer).count() == 50);
     assert!(started.elapsed().as_secs_f64() < 5.0, "{:?}", started.elapsed());
+}
+
+/// Integers that come out above ten million: the rows hold to the digits that such numbers have.
+#[test]
+fn rows_of_large_integers_hold_to_their_digits() {
+    let rows: Vec<(Vec<f64>, f64)> = vec![
+        (vec![-1.0, 0.0, 1.0, -1.0, 0.0, -2.0, 0.0], 2.0),
+        (vec![0.0, 1.0, 0.0, 3.0, 0.0, 0.0, -1.0], 1.0),
+        (vec![1.0, -1.0, -1.0, 0.0, -3.0, 1.0, 0.0], 0.0),
+        (vec![0.0, 1.0, -1.0, 1.0, 1.0, -4.0, -1.0], 0.0),
+        (vec![-1.0, 1.0, -1.0, 0.0, -4.0, 1.0, -1.0], -2.0),
+        (vec![3.0, 0.0, 0.0, -1.0, -1.0, -1.0, -1.0], 0.0),
+    ];
+    let flags = [false, true, true, false, true, false, true];
+    if let Ok(done) = Elimination::eliminate(N, &constraints(&rows), &flags) {
+        let x = done.expand(&vec![0.0; done.free().len()]);
+        assert!(x.iter().any(|x| x.abs() > 1e6), "not the case it was: {x:?}");
+        assert!(holds(&rows, &x), "{x:?}");
+    }
 }
