@@ -23,12 +23,6 @@ pub const WORK_EDGE_REL: f64 = 0.55;
 /// Most triangles that a work mesh is meant to have: beyond, its edges grow relative to the quads.
 const WORK_TRIANGLES_MAX: f64 = 250_000.0;
 
-/// Radians² that a quarter of index less is worth.
-///
-/// At 3,000 quads, with 0, 0.1, 0.3: 111, 107, 95 singular vertices on armadillo, 108, 106, 102 on casting; with 0.8 and
-/// more, pairs that features keep apart are joined (fandisk) and the map folds.
-const SINGULARITY_COST: f64 = 0.3;
-
 /// Opposite singularities closer than this many quad edges are joined: nearer pairs collapse in the map.
 const CANCEL_DISTANCE_REL: f64 = 1.5;
 
@@ -121,11 +115,7 @@ pub fn cross_field(
     let transport = Transport::new(mesh, &length);
     let (mut constraints, _) = FieldConstraints::from_features(mesh, &transport, &length, &work.binding);
     constraints.indices = singularities.to_vec();
-    let options = FieldOptions {
-        cancel_distance: CANCEL_DISTANCE_REL * quad_edge,
-        singularity_cost: SINGULARITY_COST,
-        ..FieldOptions::default()
-    };
+    let options = FieldOptions { cancel_distance: CANCEL_DISTANCE_REL * quad_edge, ..FieldOptions::default() };
     solve_open_field(mesh, &transport, &length, &work.binding, &constraints, &options, progress).map_err(|e| match e {
         quadloom_field::FieldError::Cancelled(c) => c.into(),
         quadloom_field::FieldError::NoInteriorVertex { .. } | quadloom_field::FieldError::Unsatisfiable { .. } => {
