@@ -18,7 +18,7 @@ use crate::tmesh::trace;
 use crate::untangle::{UntangleOptions, UntangleReport, untangle};
 use quadloom_field::{CrossField, SizeField, Transport};
 use quadloom_mesh::{Cancelled, EdgeMap, FaceId, FaceMap, FeatureGraph, Progress, TriMesh, metric};
-use quadloom_numeric::{Rounding, SolveError, SolveOptions, Solver};
+use quadloom_numeric::{Rounding, SolveError, SolveOptions, Solver, Updates};
 use std::time::Instant;
 
 /// How the map is made.
@@ -139,6 +139,7 @@ pub struct Parametrizer<'a> {
     length: EdgeMap<f64>,
     charts: Charts,
     solver: Solver,
+    updates: Updates,
     setup_seconds: f64,
 }
 
@@ -159,8 +160,10 @@ impl<'a> Parametrizer<'a> {
         if entries > MOST_ENTRIES {
             return Err(ParamError::TooDense { entries });
         }
+        // Where every variable depends on hundreds of integers, nothing is local and the ladder's sweeps never end.
+        let updates = if entries > DENSE_ENTRIES_PER_FACE * mesh.face_count() { Updates::Schur } else { Updates::Auto };
         let setup_seconds = start.elapsed().as_secs_f64();
-        Ok(Self { mesh, features, field, length, charts, solver, setup_seconds })
+        Ok(Self { mesh, features, field, length, charts, solver, updates, setup_seconds })
     }
 
     /// The seams and the combed field.
@@ -236,7 +239,8 @@ impl<'a> Parametrizer<'a> {
             Method::Greedy => Rounding::Greedy,
             Method::Direct => Rounding::Direct,
         };
-        let solve_options = SolveOptions { rounding, cancelled: Some(&cancelled), ..SolveOptions::default() };
+        let solve_options =
+            SolveOptions { rounding, updates: self.updates, cancelled: Some(&cancelled), ..SolveOptions::default() };
         let solution = self.solver.solve(&energy, &solve_options).map_err(|e| solve_error(e, progress))?;
         report.integers = solution.report.free_integers;
         report.energy = solution.energy;
@@ -430,6 +434,9 @@ const FOLLOWING_ROUNDS: u32 = 4;
 /// Ordinary maps need 36 a face and little more; surfaces of very high genus have seams that tie every variable to
 /// hundreds of integers.
 const MOST_ENTRIES: usize = 10_000_000_000;
+
+/// Products per face beyond which roundings are felt everywhere; sparse maps have 36 to 100.
+const DENSE_ENTRIES_PER_FACE: usize = 1000;
 
 /// Entries that the orientation energy has after elimination: per face, the product of its corners' expressions.
 fn reduced_entries(mesh: &TriMesh, charts: &Charts, solver: &Solver) -> usize {

@@ -120,7 +120,7 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
     let any_sharp = found.graph.edge_count() > named.graph.edge_count();
     let mut failure = no_result("remesh", "no attempt was made");
     for (attempt, rung) in LADDER.iter().enumerate().take(request.attempts) {
-        if !rung.sharp && !any_sharp && rung.same_sizes(&LADDER[0]) {
+        if !rung.sharp && !any_sharp && rung.same_sizes(&LADDER[0]) || run.is_hopeless(rung.sharp) {
             continue;
         }
         let features = if rung.sharp { &found } else { &named };
@@ -163,12 +163,31 @@ struct Run<'a> {
     solves: usize,
     warnings: Vec<Warning>,
     seconds: Seconds,
+    /// Whether a map that keeps the found sharp edges, and one that does not, was inverted in many places.
+    hopeless: [bool; 2],
 }
+
+/// Share of inverted triangles in a map beyond which other sizes of about the same will not help either.
+const HOPELESS_SHARE: f64 = 0.03;
 
 impl<'a> Run<'a> {
     fn new(request: &'a PartRequest<'a>, options: &'a RemeshOptions, progress: &'a Progress) -> Self {
         let area = request.mesh.area();
-        Self { request, options, progress, area, solves: 0, warnings: Vec::new(), seconds: Seconds::default() }
+        Self {
+            request,
+            options,
+            progress,
+            area,
+            solves: 0,
+            warnings: Vec::new(),
+            seconds: Seconds::default(),
+            hopeless: [false; 2],
+        }
+    }
+
+    /// Whether attempts with these features are not worth their time any more.
+    fn is_hopeless(&self, sharp: bool) -> bool {
+        self.hopeless[usize::from(sharp)]
     }
 
     fn warn(&mut self, code: WarningCode, message: String) {
@@ -208,6 +227,11 @@ impl<'a> Run<'a> {
             None => self.own_field(&features.graph, edge, rung.work_edge)?,
         };
         let map = self.map(&work, &field, quads, edge)?;
+        let inverted = map.parametrization.inverted.len();
+        if inverted as f64 > HOPELESS_SHARE * work.mesh.face_count() as f64 {
+            self.hopeless[usize::from(rung.sharp)] = true;
+            return Err(no_result("integer-grid map", format!("{inverted} triangles are inverted")));
+        }
         self.progress.report("extraction", 0.0);
         let integer_grid = &map.parametrization.map;
         let extraction = self.seconds.time("extraction", || extract_quads(&work, integer_grid, self.progress))?;
