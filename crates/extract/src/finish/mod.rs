@@ -11,6 +11,7 @@ mod shape;
 mod state;
 mod sweep;
 mod ties;
+mod tips;
 mod untangle;
 
 use crate::extraction::Extraction;
@@ -21,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use state::State;
 use sweep::{Aim, sweep};
 use ties::Ties;
+use tips::reach_tips;
 use untangle::improve_worst;
 
 /// How quads are finished.
@@ -59,6 +61,12 @@ const RELEASE_RINGS: usize = 4;
 /// Sweeps after vertices were pinned to joints: their neighbours move by a fraction of an edge.
 const SWEEPS_AFTER_PINNING: usize = 8;
 
+/// Strides towards tips, and sweeps after each.
+const TIP_ROUNDS: usize = 5;
+
+/// See there.
+const SWEEPS_AFTER_TIPS: usize = 3;
+
 /// What finishing did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FinishReport {
@@ -70,6 +78,8 @@ pub struct FinishReport {
     pub mismatched: usize,
     /// Vertices that were pinned to joints of their curves.
     pub pinned: usize,
+    /// Moves of vertices towards tips of the surface that the quads cut off.
+    pub tips: usize,
     /// Vertices that left their corner or curve because a quad stayed inverted otherwise.
     pub released: usize,
     /// Quads inverted or facing against the surface, as they came.
@@ -136,7 +146,20 @@ pub fn finish(
     // 5. The worst ones by themselves.
     report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
     state.project_all();
-    // 6. A feature is given up where it alone keeps a quad inverted.
+    // 6. Tips that stick out of the quads.
+    for _ in 0..TIP_ROUNDS {
+        let moved = reach_tips(&mut state, edge)?;
+        report.tips += moved;
+        if moved == 0 {
+            break;
+        }
+        report.sweeps += sweep_until(&mut state, aim, settled, options.sweeps.min(SWEEPS_AFTER_TIPS), progress)?;
+    }
+    if report.tips > 0 {
+        report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
+        state.project_all();
+    }
+    // 7. A feature is given up where it alone keeps a quad inverted.
     for rings in 0..RELEASE_RINGS {
         if !options.release || state.bad_quads() == 0 {
             break;

@@ -47,7 +47,7 @@ pub(crate) struct State<'a> {
     pub position: VertexMap<DVec3>,
     pub tie: VertexMap<Tie>,
     along: VertexMap<[Option<VertexId>; 2]>,
-    /// Vertices on curves that stay where they are.
+    /// Vertices that stay where they are.
     pub pinned: VertexMap<bool>,
     /// Quality of each quad: its scaled Jacobian; negative where it faces against the surface.
     pub quality: Vec<f64>,
@@ -164,7 +164,7 @@ impl<'a> State<'a> {
         let p = self.position[v];
         match self.tie[v] {
             Tie::Fixed => None,
-            Tie::Curve { .. } if self.pinned[v] => None,
+            Tie::Curve { .. } | Tie::Surface { .. } if self.pinned[v] => None,
             Tie::Surface { face, .. } => {
                 let n = normal.normalize_or_zero();
                 let tangential = displacement - n * displacement.dot(n);
