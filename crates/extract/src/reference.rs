@@ -41,7 +41,7 @@ impl<'a> Reference<'a> {
     /// 0 if it does not at its centre. A quad that is turned over has all five.
     ///
     /// # Input      hint: a face near the quad
-    pub(crate) fn points_against(&self, corner: [DVec3; 4], hint: FaceId) -> usize {
+    pub fn points_against(&self, corner: [DVec3; 4], hint: FaceId) -> usize {
         let normal = (corner[2] - corner[0]).cross(corner[3] - corner[1]);
         let centre = (corner[0] + corner[1] + corner[2] + corner[3]) / 4.0;
         let against = |p: DVec3| self.mesh.vector_area(self.closest.query_near(p, hint).point.face).dot(normal) < 0.0;

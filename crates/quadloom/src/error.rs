@@ -110,6 +110,8 @@ pub enum WarningCode {
     TrianglesSplit,
     /// Some triangles of the map are inverted; the quads around them were rebuilt.
     FoldsSurvived,
+    /// Some quads face against the input at their centre, though not all around it.
+    FacingUnclear,
     /// The quads are farther from the input than a tenth of their size.
     FarFromInput,
     /// A stage that was asked for does not exist for this input.
@@ -140,6 +142,7 @@ impl Warning {
 
     /// Whether something that the user asked for was not reached, although the result is valid.
     pub fn misses_request(&self) -> bool {
-        matches!(self.code, WarningCode::CountMissed | WarningCode::FeatureMissed | WarningCode::TrianglesSplit)
+        use WarningCode::{CountMissed, FacingUnclear, FeatureMissed, TrianglesSplit};
+        matches!(self.code, CountMissed | FacingUnclear | FeatureMissed | TrianglesSplit)
     }
 }

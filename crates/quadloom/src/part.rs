@@ -299,6 +299,11 @@ impl<'a> Run<'a> {
         if !verification.passed() {
             return Err(no_result("verification", verification.complaint()));
         }
+        if let [first, ..] = verification.unclear[..] {
+            let count = verification.unclear.len();
+            let message = format!("{count} quads may face against the input (first: {first}): their centres do");
+            self.warn(WarningCode::FacingUnclear, message);
+        }
         let measure = || self.options.measure_distance.then(|| Distances::measure(quads, reference)).transpose();
         self.seconds.time("distances", measure).map_err(|e| no_result("report", e))
     }

@@ -19,6 +19,9 @@ pub struct Verification {
     pub inverted: Vec<FaceId>,
     /// Quads whose normal points against the surface's, ascending.
     pub against: Vec<FaceId>,
+    /// Quads of which that is so at the centre but not all around it, as beside a thin sheet, ascending; they do not
+    /// keep the quads from passing.
+    pub unclear: Vec<FaceId>,
 }
 
 impl Verification {
@@ -58,11 +61,15 @@ const LEAST_JACOBIAN: f64 = 1e-4;
 pub fn verify(quads: &QuadMesh, reference: &Reference) -> Verification {
     let corners = |f: FaceId| quads.face_vertices(f).map(|v| quads.position(v));
     let all: Vec<FaceId> = quads.faces().collect();
+    let points: Vec<(FaceId, usize)> =
+        all.into_par_iter().map(|f| (f, points_against(corners(f), reference))).filter(|p| p.1 > 0).collect();
+    let those = |wanted: fn(usize) -> bool| points.iter().filter(|p| wanted(p.1)).map(|p| p.0).collect();
     Verification {
         expected: Summary::of(reference.mesh),
         found: Summary::of(quads),
         inverted: quads.faces().filter(|&f| scaled_jacobian(corners(f)) < LEAST_JACOBIAN).collect(),
-        against: all.into_par_iter().filter(|&f| faces_against(corners(f), reference)).collect(),
+        against: those(|n| n >= 3),
+        unclear: those(|n| n < 3),
     }
 }
 
@@ -71,12 +78,8 @@ pub fn verify_against(quads: &QuadMesh, surface: &TriMesh) -> Verification {
     verify(quads, &Reference::new(surface, &FeatureGraph::none(surface)))
 }
 
-/// Whether five points of a quad all lie nearest to faces that point the other way.
-///
-/// Some of them may be nearest to the other side of a thin sheet; a quad that is turned over has all five against it.
-fn faces_against(corner: [DVec3; 4], reference: &Reference) -> bool {
-    let normal = (corner[2] - corner[0]).cross(corner[3] - corner[1]);
+/// At how many of five points a quad faces against the surface; 0 if it does not at its centre.
+fn points_against(corner: [DVec3; 4], reference: &Reference) -> usize {
     let centre = corner.iter().sum::<DVec3>() / 4.0;
-    let against = |p: DVec3| reference.mesh.vector_area(reference.closest.query(p).point.face).dot(normal) < 0.0;
-    against(centre) && corner.iter().all(|&c| against(c.lerp(centre, 0.5)))
+    reference.points_against(corner, reference.closest.query(centre).point.face)
 }

@@ -27,14 +27,14 @@ const CURVE_STEP_REL: f64 = 0.45;
 /// Cosine between a quad's normal and the surface normals at its corners above which no query is needed.
 const CLEARLY_FACING: f64 = 0.25;
 
-/// Quality at most of a quad some of whose points face against the surface: worth improving, but not inverted, as the
-/// points may be nearest to the other side of a thin sheet.
-const UNCLEAR: f64 = 0.02;
+/// Quality at most of a quad some of whose points face against the surface: it counts as inverted, but is not worse than
+/// one that is degenerate, as the points may be nearest to the other side of a thin sheet.
+const UNCLEAR: f64 = 0.0;
 
 /// How a quad lies to the surface.
 enum Facing {
     Along,
-    /// Most of its points are against the surface, not all.
+    /// Some of its points are against the surface, its centre among them.
     Unclear,
     /// All of its points are against the surface, whose unit normal this is.
     Against(DVec3),
@@ -144,8 +144,8 @@ impl<'a> State<'a> {
             return Facing::Along;
         }
         match self.reference.points_against(corner, at_centre) {
-            0..3 => Facing::Along,
-            3..5 => Facing::Unclear,
+            0 => Facing::Along,
+            1..5 => Facing::Unclear,
             _ => Facing::Against(area.normalize_or_zero()),
         }
     }
