@@ -228,10 +228,8 @@ impl<'a> Run<'a> {
         };
         let map = self.map(&work, &field, quads, edge)?;
         let inverted = map.parametrization.inverted.len();
-        if inverted as f64 > HOPELESS_SHARE * work.mesh.face_count() as f64 {
-            self.hopeless[usize::from(rung.sharp)] = true;
-            return Err(no_result("integer-grid map", format!("{inverted} triangles are inverted")));
-        }
+        // The quads around the folds may still close up; if they do not, other sizes are not worth their time.
+        self.hopeless[usize::from(rung.sharp)] = inverted as f64 > HOPELESS_SHARE * work.mesh.face_count() as f64;
         self.progress.report("extraction", 0.0);
         let integer_grid = &map.parametrization.map;
         let extraction = self.seconds.time("extraction", || extract_quads(&work, integer_grid, self.progress))?;
