@@ -12,9 +12,9 @@ use rayon::prelude::*;
 
 /// Distance of a vertex of the surface from the quads, in mean quad edges, from which it is a tip.
 ///
-/// Smaller: the sag of coarse quads on ordinary curvature, 0.3 with five around a circle both ways, is taken for tips and
+/// Smaller: the sag of coarse quads on ordinary curvature, up to 0.5 with five around a circle both ways, is taken for tips and
 /// quads get worse for nothing.
-const TIP_REL: f64 = 0.4;
+const TIP_REL: f64 = 0.6;
 
 /// Way that a vertex goes at once, in mean quad edges; its neighbours follow before it goes on.
 const STRIDE_REL: f64 = 0.6;
