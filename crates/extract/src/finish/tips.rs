@@ -10,11 +10,11 @@ use quadloom_mesh::closest::ClosestPoint;
 use quadloom_mesh::{DVec3, FaceId, MeshError, VertexId, VertexMap};
 use rayon::prelude::*;
 
-/// Distance of a vertex of the surface from the quads, in mean quad edges, from which it is a tip.
+/// Distance of a vertex of the surface from the quads, relative to the longest edge there, from which it is a tip.
 ///
 /// Smaller: the sag of coarse quads on ordinary curvature, up to 0.5 with five around a circle both ways, is taken for tips and
 /// quads get worse for nothing.
-const TIP_REL: f64 = 0.6;
+const TIP_REL: f64 = 0.5;
 
 /// Way that a vertex goes at once, in mean quad edges; its neighbours follow before it goes on.
 const STRIDE_REL: f64 = 0.6;
@@ -36,11 +36,13 @@ pub(crate) fn reach_tips(state: &mut State, edge: f64) -> Result<usize, MeshErro
     let is_loose = |v: &VertexId| matches!(state.tie[*v], Tie::Surface { .. });
     let far = |p: DVec3| {
         let near = tree.query(p);
-        if near.distance <= TIP_REL * edge {
-            return None;
-        }
         // Four triangles per quad, in its order.
         let quad = FaceId::new(near.point.face.index() / 4);
+        let corner = quads.face_vertices(quad).map(|v| quads.position(v));
+        let longest = (0..4).map(|k| corner[k].distance(corner[(k + 1) % 4])).fold(edge, f64::max);
+        if near.distance <= TIP_REL * longest {
+            return None;
+        }
         let corners = quads.face_vertices(quad).into_iter().filter(is_loose);
         let distance = |v: &VertexId| quads.position(*v).distance_squared(p);
         let v = corners.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
