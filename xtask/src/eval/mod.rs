@@ -78,6 +78,12 @@ impl Settings {
         self.only.is_empty() && self.extra.is_empty()
     }
 
+    /// A text without the folders of this machine.
+    fn without_places(&self, text: &str) -> String {
+        let places = [(&self.work, "work"), (&self.shared, "../shared"), (&self.binary, "quadloom")];
+        places.iter().fold(text.to_string(), |text, (path, name)| text.replace(&path.display().to_string(), name))
+    }
+
     fn command_line(&self) -> String {
         format!("cargo xtask eval {}", self.suite)
     }
@@ -100,7 +106,8 @@ pub fn run(suite: &str, args: &[String]) -> Outcome {
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let document = json!({ "command": settings.command_line(), "runs": result.runs });
     let markdown = format!("{}\nMade by `{}`.\n", result.markdown, settings.command_line());
-    write(&folder.join(format!("{suite}.json")), &format!("{document:#}\n"))?;
+    let text = settings.without_places(&format!("{document:#}\n"));
+    write(&folder.join(format!("{suite}.json")), &text)?;
     write(&folder.join(format!("{suite}.md")), &markdown)
 }
 
