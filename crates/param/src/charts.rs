@@ -100,7 +100,7 @@ impl Charts {
             })
         });
         let sectors = sectors(mesh, length, transport, features, field);
-        let (mut is_integer, collapsed_sectors) = feature_sectors(mesh, features, &sectors);
+        let (mut is_integer, collapsed_sectors) = feature_sectors(features, &sectors);
         for &v in &cones {
             is_integer[v] = true;
         }
@@ -236,11 +236,7 @@ pub fn sectors(
 }
 
 /// Marks feature vertices that are not passed straight through, and those with a sector without a quarter turn.
-fn feature_sectors(
-    mesh: &TriConnectivity,
-    features: &FeatureGraph,
-    sectors: &[Sector],
-) -> (VertexMap<bool>, Vec<VertexId>) {
+fn feature_sectors(features: &FeatureGraph, sectors: &[Sector]) -> (VertexMap<bool>, Vec<VertexId>) {
     let mut is_integer = features.is_corner.clone();
     let mut collapsed = Vec::new();
     for sector in sectors {
@@ -251,7 +247,6 @@ fn feature_sectors(
             collapsed.push(sector.vertex);
         }
     }
-    debug_assert!(is_integer.len() == mesh.vertex_count());
     (is_integer, collapsed)
 }
 

@@ -92,7 +92,7 @@ impl RemeshError {
 pub enum WarningCode {
     /// The input had defects that were cured.
     Repaired,
-    /// Sharp chains too short for the target size were dropped.
+    /// Sharp edges in loose pieces that are short, or no sharper than their surroundings, were dropped.
     LooseFeaturesDropped,
     /// No map follows the sharp edges that were found; they were not kept.
     SharpEdgesDropped,
