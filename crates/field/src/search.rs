@@ -15,22 +15,22 @@
 //!
 //! so Q depends on the path alone, and only the first term on the state.
 
+mod patch;
+mod prescriptions;
+
+pub(crate) use prescriptions::index_groups;
+
 use crate::cross_field::CrossField;
 use crate::error::FieldError;
 use crate::loops::homology_loops;
 use crate::solve::FieldOptions;
-use crate::system::{SmoothnessSystem, neighbours};
+use crate::system::SmoothnessSystem;
 use crate::transport::Transport;
+use patch::Patch;
 use quadloom_mesh::{EdgeId, EdgeMap, FaceId, FaceMap, Progress, TriConnectivity, VertexId, VertexMap};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use std::f64::consts::{FRAC_PI_2, PI};
-
-/// Faces of the patch on which the cost of a single move is computed.
-///
-/// With free angles only there, Q comes out too large by a few per cent (the dipole's energy outside the patch), so
-/// that every accepted move still lowers the true energy. Larger: nearer to the true cost, cubic time.
-const PATCH_FACES: usize = 40;
 
 /// Radians² by which a move must lower the objective, well above rounding errors.
 const LEAST_GAIN: f64 = 1e-9;
@@ -272,48 +272,6 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Prescriptions.
-impl Search<'_> {
-    /// Carries index over the border of each prescribed set until its sum is the prescribed one, where that is
-    /// cheapest; false where a set has no border to unprescribed vertices.
-    pub fn enforce(&mut self, sums: &[(&[VertexId], i32)], progress: &Progress) -> Result<bool, FieldError> {
-        for &(list, wanted) in sums {
-            loop {
-                progress.check()?;
-                let excess = list.iter().map(|&v| self.index[v]).sum::<i32>() - wanted;
-                if excess == 0 {
-                    break;
-                }
-                let Some(change) = self.cheapest_exit(list, excess.signum()) else { return Ok(false) };
-                self.apply(&[change]);
-                self.solve();
-            }
-        }
-        Ok(true)
-    }
-
-    /// The change of one jump that carries a quarter of the given sign out of a set at the least energy.
-    fn cheapest_exit(&mut self, list: &[VertexId], sign: i32) -> Option<(EdgeId, i32)> {
-        let mut best: Option<(f64, EdgeId, i32)> = None;
-        for &v in list {
-            let edges: Vec<EdgeId> = self.mesh.vertex_edges(v).collect();
-            for e in edges {
-                let [a, b] = self.mesh.ends(e);
-                let other = if a == v { b } else { a };
-                if self.group[other] != 0 || !self.is_crossable(e) {
-                    continue;
-                }
-                let amount = if a == v { -sign } else { sign };
-                let change = self.unit_cost(e) - PI * f64::from(amount) * self.turn[e];
-                if best.is_none_or(|(least, known, _)| (change, e) < (least, known)) {
-                    best = Some((change, e, amount));
-                }
-            }
-        }
-        best.map(|(_, e, amount)| (e, amount))
-    }
-}
-
 /// Single moves.
 impl Search<'_> {
     /// Moves singularities along edges while the objective falls.
@@ -422,68 +380,6 @@ impl Search<'_> {
         let cost = FRAC_PI_2 * (FRAC_PI_2 - response);
         self.unit_cost[e] = Some(cost);
         cost
-    }
-}
-
-/// Normal equations of Eq. (8.1) on a few free faces around an edge, all other angles fixed.
-struct Patch {
-    faces: Vec<FaceId>,
-    /// Lower Cholesky factor, row by row.
-    factor: Vec<f64>,
-}
-
-impl Patch {
-    /// The free faces nearest to an edge, breadth first.
-    fn around(mesh: &TriConnectivity, system: &SmoothnessSystem, e: EdgeId) -> Self {
-        let (i, j) = mesh.edge_faces(e);
-        let mut faces: Vec<FaceId> = [Some(i), j].into_iter().flatten().filter(|&f| system.is_free(f)).collect();
-        let mut at = 0;
-        while at < faces.len() && faces.len() < PATCH_FACES {
-            for g in neighbours(mesh, faces[at]) {
-                if system.is_free(g) && !faces.contains(&g) {
-                    faces.push(g);
-                }
-            }
-            at += 1;
-        }
-        let n = faces.len();
-        let mut factor = vec![0.0; n * n];
-        for (row, &f) in faces.iter().enumerate() {
-            factor[row * n + row] = system.soft_pull(f, 0.0).0;
-            for g in neighbours(mesh, f) {
-                factor[row * n + row] += 1.0;
-                if let Some(column) = faces.iter().position(|&other| other == g) {
-                    factor[row * n + column] -= 1.0;
-                }
-            }
-        }
-        cholesky(&mut factor, n);
-        Self { faces, factor }
-    }
-
-    /// Replaces the right-hand side by the angles' response.
-    fn solve(&self, x: &mut [f64]) {
-        let (n, l) = (x.len(), &self.factor);
-        for i in 0..n {
-            let dot: f64 = (0..i).map(|k| l[i * n + k] * x[k]).sum();
-            x[i] = (x[i] - dot) / l[i * n + i];
-        }
-        for i in (0..n).rev() {
-            let dot: f64 = (i + 1..n).map(|k| l[k * n + i] * x[k]).sum();
-            x[i] = (x[i] - dot) / l[i * n + i];
-        }
-    }
-}
-
-/// Lower Cholesky factor of a small positive definite matrix, in place; the upper triangle is not looked at.
-fn cholesky(matrix: &mut [f64], n: usize) {
-    for j in 0..n {
-        for i in j..n {
-            let dot: f64 = (0..j).map(|k| matrix[i * n + k] * matrix[j * n + k]).sum();
-            let value = matrix[i * n + j] - dot;
-            // A closed component that the patch swallows whole leaves a zero pivot: its gauge.
-            matrix[i * n + j] = if i == j { value.max(1e-9).sqrt() } else { value / matrix[j * n + j] };
-        }
     }
 }
 
@@ -680,22 +576,4 @@ impl Ord for Key {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         self.0.total_cmp(&other.0)
     }
-}
-
-/// Groups of vertices that may exchange index: vertices with the same prescriptions.
-pub(crate) fn index_groups<'b>(
-    mesh: &TriConnectivity,
-    sums: impl Iterator<Item = (&'b [VertexId], i32)>,
-) -> VertexMap<u32> {
-    let mut prescriptions: VertexMap<Vec<u32>> = VertexMap::filled(mesh.vertex_count(), Vec::new());
-    for (number, (list, _)) in sums.enumerate() {
-        for &v in list {
-            prescriptions[v].push(number as u32);
-        }
-    }
-    let mut known = BTreeMap::from([(Vec::new(), 0u32)]);
-    VertexMap::from_fn(mesh.vertex_count(), |v| {
-        let next = known.len() as u32;
-        *known.entry(std::mem::take(&mut prescriptions[v])).or_insert(next)
-    })
 }

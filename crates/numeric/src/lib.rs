@@ -26,6 +26,7 @@ pub mod constraints;
 pub mod elimination;
 pub mod error;
 pub mod exact;
+pub mod integer_problem;
 mod ladder;
 pub mod quadratic;
 mod reduce;
@@ -39,10 +40,11 @@ pub use constraints::{Constraints, Row};
 pub use elimination::{Elimination, Expression};
 pub use error::SolveError;
 pub use exact::{Branching, ExactOptions, ExactReport, Selection};
+pub use integer_problem::{IntegerProblem, IntegerSum};
 pub use ladder::LadderOptions;
 pub use quadratic::{Quadratic, Square};
 pub use solver::{
-    DENSE_LIMIT, IntegerProblem, IntegerSum, MixedIntegerProblem, Rounding, SCHUR_LIMIT, Solution, SolveOptions,
-    SolveReport, Solver, StageSeconds, Updates, solve,
+    DENSE_LIMIT, MixedIntegerProblem, Rounding, SCHUR_LIMIT, Solution, SolveOptions, SolveReport, Solver, StageSeconds,
+    Updates, solve,
 };
 pub use sparse::{SparseSymmetric, Triplet};

@@ -8,9 +8,8 @@
 
 use std::time::Instant;
 
-use crate::bounded::{LowerBound, round_bounded};
 use crate::cholesky::{CholeskyError, SparseCholesky};
-use crate::conditional::{Conditional, inverse_from_factor};
+use crate::conditional::Conditional;
 use crate::constraints::Constraints;
 use crate::elimination::Elimination;
 use crate::error::{Failure, SolveError};
@@ -222,10 +221,10 @@ pub struct Solver {
 
 /// A kept analysis and the pattern it belongs to.
 #[derive(Debug)]
-struct Analysis {
+pub(crate) struct Analysis {
     pattern: SparseSymmetric,
     last: Vec<u32>,
-    cholesky: SparseCholesky,
+    pub cholesky: SparseCholesky,
 }
 
 impl Solver {
@@ -327,7 +326,7 @@ impl Solver {
     }
 
     /// Active variables to be rounded, ascending.
-    fn active_integers(&self, substitution: &Substitution, rounding: Rounding) -> Vec<u32> {
+    pub(crate) fn active_integers(&self, substitution: &Substitution, rounding: Rounding) -> Vec<u32> {
         if rounding == Rounding::Relaxed {
             return Vec::new();
         }
@@ -336,7 +335,7 @@ impl Solver {
     }
 
     /// A kept analysis of this pattern, or a new one; with whether it was kept.
-    fn take_analysis(
+    pub(crate) fn take_analysis(
         &mut self,
         matrix: &SparseSymmetric,
         last: &[u32],
@@ -357,14 +356,14 @@ impl Solver {
         Ok((analysis, known.is_some()))
     }
 
-    fn expand(&self, substitution: &Substitution, given: &[Option<f64>], y: &[f64]) -> Vec<f64> {
+    pub(crate) fn expand(&self, substitution: &Substitution, given: &[Option<f64>], y: &[f64]) -> Vec<f64> {
         let mut free: Vec<f64> = given.iter().map(|value| value.unwrap_or(0.0)).collect();
         substitution.active.iter().zip(y).for_each(|(&k, &value)| free[k as usize] = value);
         self.elimination.expand(&free)
     }
 
     /// Integers are combinations of integers; rounding takes off the last digit of noise.
-    fn snap_integers(&self, x: &mut [f64]) -> Result<(), SolveError> {
+    pub(crate) fn snap_integers(&self, x: &mut [f64]) -> Result<(), SolveError> {
         for &i in &self.integers {
             let rounded = x[i].round();
             if (x[i] - rounded).abs() > INTEGER_TOLERANCE {
@@ -375,7 +374,7 @@ impl Solver {
         Ok(())
     }
 
-    fn name_variable(&self, failure: Failure, substitution: &Substitution) -> SolveError {
+    pub(crate) fn name_variable(&self, failure: Failure, substitution: &Substitution) -> SolveError {
         match failure {
             Failure::Cholesky(CholeskyError::NotPositiveDefinite { row }) => {
                 let free = substitution.active[row] as usize;
@@ -434,11 +433,11 @@ fn uses_schur(options: &SolveOptions, integers: usize) -> Result<bool, SolveErro
 }
 
 /// A reduced system on its way to integers.
-struct Stage<'a> {
-    system: &'a Reduced,
-    integers: &'a [u32],
-    options: &'a SolveOptions<'a>,
-    report: &'a mut SolveReport,
+pub(crate) struct Stage<'a> {
+    pub system: &'a Reduced,
+    pub integers: &'a [u32],
+    pub options: &'a SolveOptions<'a>,
+    pub report: &'a mut SolveReport,
 }
 
 impl Stage<'_> {
@@ -447,7 +446,7 @@ impl Stage<'_> {
     }
 
     /// Step 1 ([Bommes2012] Eq. (5.4)): the relaxed solution.
-    fn relax(&mut self, cholesky: &mut SparseCholesky) -> Result<Vec<f64>, Failure> {
+    pub(crate) fn relax(&mut self, cholesky: &mut SparseCholesky) -> Result<Vec<f64>, Failure> {
         if self.is_cancelled() {
             return Err(SolveError::Cancelled.into());
         }
@@ -549,7 +548,13 @@ impl Stage<'_> {
 
 /// With S = L·Lᵀ, adding S·shift to the integers' right-hand side moves them by `shift` and all others to their optimum:
 /// one back-solve.
-fn follow_integers(cholesky: &SparseCholesky, integers: &[u32], factor: &faer::Mat<f64>, shift: &[f64], y: &mut [f64]) {
+pub(crate) fn follow_integers(
+    cholesky: &SparseCholesky,
+    integers: &[u32],
+    factor: &faer::Mat<f64>,
+    shift: &[f64],
+    y: &mut [f64],
+) {
     let k = shift.len();
     let transposed: Vec<f64> = (0..k).map(|j| (j..k).map(|i| factor[(i, j)] * shift[i]).sum()).collect();
     let mut move_all = vec![0.0; y.len()];
@@ -558,189 +563,6 @@ fn follow_integers(cholesky: &SparseCholesky, integers: &[u32], factor: &faer::M
     }
     cholesky.solve(&mut move_all);
     y.iter_mut().zip(&move_all).for_each(|(value, step)| *value += step);
-}
-
-/// Σ coefficient·(free integer) + constant.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct IntegerSum {
-    /// Numbers of free integers with their coefficients, ascending.
-    pub terms: Vec<(u32, f64)>,
-    /// The constant.
-    pub constant: f64,
-}
-
-/// The free integers of one energy, with everything else at its optimum: for roundings under changing bounds.
-#[derive(Debug)]
-pub struct IntegerProblem<'a> {
-    solver: &'a Solver,
-    substitution: Substitution,
-    cholesky: SparseCholesky,
-    /// Place of each free integer among the active variables, ascending.
-    integers: Vec<u32>,
-    /// Number of each active variable among the integers.
-    number: Vec<Option<u32>>,
-    /// Lower factor of the Schur complement.
-    factor: faer::Mat<f64>,
-    /// The Schur complement, row by row, lower triangle.
-    precision: Vec<f64>,
-    /// Its inverse.
-    covariance: Vec<f64>,
-    relaxed: Vec<f64>,
-    y: Vec<f64>,
-}
-
-impl Solver {
-    /// The relaxed problem, reduced to its free integers.
-    ///
-    /// # Errors  as [`Solver::solve`]; more integers than [`DENSE_LIMIT`]
-    /// # Cost    one factorisation and k³ for k integers
-    pub fn integer_problem(
-        &mut self,
-        quadratic: &Quadratic,
-        options: &SolveOptions,
-    ) -> Result<IntegerProblem<'_>, SolveError> {
-        quadratic.check()?;
-        let given = vec![None; self.elimination.free().len()];
-        let substitution = Substitution::new(&self.elimination, &given);
-        let system = reduce(quadratic, &substitution);
-        let integers = self.active_integers(&substitution, Rounding::Greedy);
-        if integers.len() > DENSE_LIMIT {
-            return Err(SolveError::TooManyIntegers { integers: integers.len(), limit: DENSE_LIMIT });
-        }
-        let mut report = SolveReport::default();
-        let mut stage = Stage { system: &system, integers: &integers, options, report: &mut report };
-        let (mut analysis, _) = self.take_analysis(&system.matrix, &integers, &mut stage)?;
-        let y = stage.relax(&mut analysis.cholesky).map_err(|failure| self.name_variable(failure, &substitution))?;
-        let factor = analysis.cholesky.trailing_block();
-        let relaxed: Vec<f64> = integers.iter().map(|&i| y[i as usize]).collect();
-        let covariance = inverse_from_factor(&factor);
-        let precision = product_of_factor(&factor);
-        let mut number = vec![None; y.len()];
-        integers.iter().zip(0..).for_each(|(&at, k)| number[at as usize] = Some(k));
-        let cholesky = analysis.cholesky;
-        Ok(IntegerProblem {
-            solver: self,
-            substitution,
-            cholesky,
-            integers,
-            number,
-            factor,
-            precision,
-            covariance,
-            relaxed,
-            y,
-        })
-    }
-}
-
-/// L·Lᵀ, row by row; only the lower triangle is filled.
-fn product_of_factor(factor: &faer::Mat<f64>) -> Vec<f64> {
-    let k = factor.nrows();
-    let rows: Vec<Vec<f64>> = (0..k).map(|i| (0..=i).map(|j| factor[(i, j)]).collect()).collect();
-    let mut product = vec![0.0; k * k];
-    for i in 0..k {
-        for j in 0..=i {
-            product[i * k + j] = rows[i].iter().zip(&rows[j]).map(|(a, b)| a * b).sum();
-        }
-    }
-    product
-}
-
-impl IntegerProblem<'_> {
-    /// Number of free integers.
-    pub fn len(&self) -> usize {
-        self.integers.len()
-    }
-
-    /// Whether there is nothing to round.
-    pub fn is_empty(&self) -> bool {
-        self.integers.is_empty()
-    }
-
-    /// A sum of variables as a sum over the free integers and a constant; `None` where continuous variables remain.
-    pub fn over_integers(&self, terms: impl Iterator<Item = (usize, f64)>) -> Option<IntegerSum> {
-        let (mut sum, mut constant) = (std::collections::BTreeMap::<u32, f64>::new(), 0.0);
-        for (variable, c) in terms {
-            let (expression, offset) = self.substitution.expression(variable);
-            constant += c * offset;
-            for &(at, factor) in expression {
-                // Continuous ones may cancel, so they are only looked for at the end.
-                *sum.entry(at).or_insert(0.0) += c * factor;
-            }
-        }
-        let left = sum.into_iter().filter(|t| t.1.abs() > 1e-12);
-        let over: Option<Vec<(u32, f64)>> = left.map(|(at, c)| Some((self.number[at as usize]?, c))).collect();
-        Some(IntegerSum { terms: over?, constant })
-    }
-
-    /// Greedy rounding under lower bounds.
-    ///
-    /// # Input      bounds: over the free integers, as from [`IntegerProblem::over_integers`]; kept: free integers whose
-    /// values are given
-    /// # Output     the free integers
-    /// # Errors     cancellation
-    /// # Cost       k³ for k integers
-    /// # Guarantees integers; not that all bounds are met, see [`LowerBound::is_missed`]
-    pub fn round(
-        &self,
-        bounds: &[LowerBound],
-        kept: &[(usize, f64)],
-        options: &SolveOptions,
-    ) -> Result<Vec<f64>, SolveError> {
-        let cancelled = || options.cancelled.is_some_and(|cancelled| cancelled());
-        if kept.is_empty() {
-            let covariance = self.covariance.clone();
-            return round_bounded(covariance, &self.relaxed, bounds, &cancelled).ok_or(SolveError::Cancelled);
-        }
-        // 1. The problem over the others: the kept ones move their optimum.
-        let k = self.len();
-        let mut values = vec![None; k];
-        kept.iter().for_each(|&(i, value)| values[i] = Some(value));
-        let free: Vec<usize> = (0..k).filter(|&i| values[i].is_none()).collect();
-        if free.is_empty() {
-            return Ok(values.into_iter().flatten().collect());
-        }
-        let precision = |i: usize, j: usize| self.precision[i.max(j) * k + i.min(j)];
-        let own = faer::Mat::from_fn(free.len(), free.len(), |i, j| precision(free[i], free[j]));
-        let factor = own.llt(faer::Side::Lower).map_err(|_| SolveError::TooLarge)?.L().to_owned();
-        let covariance = inverse_from_factor(&factor);
-        let pull: Vec<f64> = free
-            .iter()
-            .map(|&i| kept.iter().map(|&(j, value)| precision(i, j) * (value - self.relaxed[j])).sum())
-            .collect();
-        let n = free.len();
-        let relaxed: Vec<f64> = (0..n)
-            .map(|i| self.relaxed[free[i]] - (0..n).map(|j| covariance[i * n + j] * pull[j]).sum::<f64>())
-            .collect();
-        // 2. The bounds over the others.
-        let mut number = vec![None; k];
-        free.iter().zip(0u32..).for_each(|(&i, n)| number[i] = Some(n));
-        let rest = |bound: &LowerBound| {
-            let terms: Vec<(u32, f64)> =
-                bound.terms.iter().filter_map(|&(i, c)| Some((number[i as usize]?, c))).collect();
-            let known: f64 = bound.terms.iter().filter_map(|&(i, c)| Some(c * values[i as usize]?)).sum();
-            (!terms.is_empty()).then_some(LowerBound { terms, least: bound.least - known })
-        };
-        let bounds: Vec<LowerBound> = bounds.iter().filter_map(rest).collect();
-        // 3. Rounding.
-        let rounded = round_bounded(covariance, &relaxed, &bounds, &cancelled).ok_or(SolveError::Cancelled)?;
-        free.iter().zip(rounded).for_each(|(&i, value)| values[i] = Some(value));
-        Ok(values.into_iter().flatten().collect())
-    }
-
-    /// All variables at the optimum for given values of the free integers.
-    ///
-    /// # Errors  integer variables that do not come out as integers
-    pub fn complete(&self, values: &[f64]) -> Result<Vec<f64>, SolveError> {
-        let mut y = self.y.clone();
-        let shift: Vec<f64> = values.iter().zip(&self.relaxed).map(|(value, z)| value - z).collect();
-        follow_integers(&self.cholesky, &self.integers, &self.factor, &shift, &mut y);
-        self.integers.iter().zip(values).for_each(|(&i, &value)| y[i as usize] = value);
-        let given = vec![None; self.substitution.active.len()];
-        let mut x = self.solver.expand(&self.substitution, &given, &y);
-        self.solver.snap_integers(&mut x)?;
-        Ok(x)
-    }
 }
 
 fn greedy_values(
