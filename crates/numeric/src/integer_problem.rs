@@ -8,6 +8,7 @@ use crate::bounded::{LowerBound, round_bounded};
 use crate::cholesky::SparseCholesky;
 use crate::conditional::inverse_from_factor;
 use crate::error::SolveError;
+use crate::mending::mend;
 use crate::quadratic::Quadratic;
 use crate::reduce::{Substitution, reduce};
 use crate::solver::{DENSE_LIMIT, Rounding, SolveOptions, SolveReport, Solver, Stage, follow_integers};
@@ -33,8 +34,7 @@ pub struct IntegerProblem<'a> {
     number: Vec<Option<u32>>,
     /// Lower factor of the Schur complement.
     factor: faer::Mat<f64>,
-    /// The Schur complement, row by row, lower triangle.
-    precision: Vec<f64>,
+    precision: Precision,
     /// Its inverse.
     covariance: Vec<f64>,
     relaxed: Vec<f64>,
@@ -66,7 +66,7 @@ impl Solver {
         let factor = analysis.cholesky.trailing_block();
         let relaxed: Vec<f64> = integers.iter().map(|&i| y[i as usize]).collect();
         let covariance = inverse_from_factor(&factor);
-        let precision = product_of_factor(&factor);
+        let precision = Precision::of_factor(&factor);
         let mut number = vec![None; y.len()];
         integers.iter().zip(0..).for_each(|(&at, k)| number[at as usize] = Some(k));
         let cholesky = analysis.cholesky;
@@ -85,17 +85,42 @@ impl Solver {
     }
 }
 
-/// L·Lᵀ, row by row; only the lower triangle is filled.
-fn product_of_factor(factor: &faer::Mat<f64>) -> Vec<f64> {
-    let k = factor.nrows();
-    let rows: Vec<Vec<f64>> = (0..k).map(|i| (0..=i).map(|j| factor[(i, j)]).collect()).collect();
-    let mut product = vec![0.0; k * k];
-    for i in 0..k {
-        for j in 0..=i {
-            product[i * k + j] = rows[i].iter().zip(&rows[j]).map(|(a, b)| a * b).sum();
+/// The Schur complement of the free integers.
+#[derive(Debug)]
+pub(crate) struct Precision {
+    /// Row by row.
+    entries: Vec<f64>,
+    order: usize,
+}
+
+impl Precision {
+    /// L·Lᵀ.
+    fn of_factor(factor: &faer::Mat<f64>) -> Self {
+        let k = factor.nrows();
+        let rows: Vec<Vec<f64>> = (0..k).map(|i| (0..=i).map(|j| factor[(i, j)]).collect()).collect();
+        let mut entries = vec![0.0; k * k];
+        for i in 0..k {
+            for j in 0..=i {
+                let product: f64 = rows[i].iter().zip(&rows[j]).map(|(a, b)| a * b).sum();
+                (entries[i * k + j], entries[j * k + i]) = (product, product);
+            }
         }
+        Self { entries, order: k }
     }
-    product
+
+    /// From all its entries, row by row.
+    #[cfg(test)]
+    pub fn of_entries(entries: Vec<f64>, order: usize) -> Self {
+        Self { entries, order }
+    }
+
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.entries[i * self.order..(i + 1) * self.order]
+    }
+
+    pub fn times(&self, x: &[f64]) -> Vec<f64> {
+        (0..self.order).map(|i| self.row(i).iter().zip(x).map(|(s, x)| s * x).sum()).collect()
+    }
 }
 
 impl IntegerProblem<'_> {
@@ -154,18 +179,44 @@ impl IntegerProblem<'_> {
         Ok(others.completed(&rounded))
     }
 
+    /// What the energy is above the relaxation's, at the optimum for given values of the free integers.
+    pub fn excess(&self, values: &[f64]) -> f64 {
+        let away: Vec<f64> = values.iter().zip(&self.relaxed).map(|(value, z)| value - z).collect();
+        0.5 * self.precision.times(&away).iter().zip(&away).map(|(s, x)| s * x).sum::<f64>()
+    }
+
+    /// Integers near the given ones that miss less of the bounds in sum, or none; else the given ones.
+    ///
+    /// # Input      bounds: as for [`IntegerProblem::round`]; values: one integer per free integer
+    /// # Cost       k² for k integers, and k per jump
+    pub fn mend(&self, bounds: &[LowerBound], values: &[f64]) -> Vec<f64> {
+        mend(&self.precision, &self.relaxed, bounds, values)
+    }
+
     /// All variables at the optimum for given values of the free integers.
     ///
     /// # Errors  integer variables that do not come out as integers
     pub fn complete(&self, values: &[f64]) -> Result<Vec<f64>, SolveError> {
+        let mut x = self.complete_relaxed(values);
+        self.solver.snap_integers(&mut x)?;
+        Ok(x)
+    }
+
+    /// All variables at the optimum for values of the free integers that need not be integers.
+    pub fn complete_relaxed(&self, values: &[f64]) -> Vec<f64> {
         let mut y = self.y.clone();
         let shift: Vec<f64> = values.iter().zip(&self.relaxed).map(|(value, z)| value - z).collect();
         follow_integers(&self.cholesky, &self.integers, &self.factor, &shift, &mut y);
         self.integers.iter().zip(values).for_each(|(&i, &value)| y[i as usize] = value);
         let given = vec![None; self.substitution.active.len()];
-        let mut x = self.solver.expand(&self.substitution, &given, &y);
-        self.solver.snap_integers(&mut x)?;
-        Ok(x)
+        self.solver.expand(&self.substitution, &given, &y)
+    }
+
+    /// The free integers' values in a solution.
+    pub fn values_in(&self, x: &[f64]) -> Vec<f64> {
+        let free = self.solver.elimination().free();
+        let variable = |i: u32| free[self.substitution.active[i as usize] as usize];
+        self.integers.iter().map(|&i| x[variable(i) as usize]).collect()
     }
 }
 
@@ -190,8 +241,8 @@ impl<'a> Restricted<'a> {
     /// Covariance of the others, row by row, and their optimum: P_ff·(z - z*)_f = -P_fk·(z - z*)_k.
     fn optimum(&self) -> Result<(Vec<f64>, Vec<f64>), SolveError> {
         let Self { problem, kept, free, .. } = self;
-        let (k, n) = (problem.len(), free.len());
-        let precision = |i: usize, j: usize| problem.precision[i.max(j) * k + i.min(j)];
+        let n = free.len();
+        let precision = |i: usize, j: usize| problem.precision.row(i)[j];
         // 1. Their own covariance.
         let own = faer::Mat::from_fn(n, n, |i, j| precision(free[i], free[j]));
         let factor = own.llt(faer::Side::Lower).map_err(|_| SolveError::TooLarge)?.L().to_owned();

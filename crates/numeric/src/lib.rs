@@ -28,6 +28,7 @@ pub mod error;
 pub mod exact;
 pub mod integer_problem;
 mod ladder;
+mod mending;
 pub mod quadratic;
 mod reduce;
 mod rounding;

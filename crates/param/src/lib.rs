@@ -6,6 +6,7 @@
 
 pub mod charts;
 pub mod fans;
+mod follow;
 pub mod integer_grid_map;
 pub mod parametrize;
 pub mod placed;

@@ -7,13 +7,14 @@
 
 use crate::charts::Charts;
 use crate::fans::saddles;
+use crate::follow::{Follower, on_the_way};
 use crate::integer_grid_map::{GRID_UNIT, IntegerGridMap};
 use crate::placed::{PlacedMap, PlacementError};
 use crate::problem::{
-    EnergyOptions, FaceGradient, face_gradients, jacobian, map_constraints, orientation_energy, variable_count,
+    EnergyOptions, FaceGradient, face_gradients, map_constraints, orientation_energy, variable_count,
 };
 use crate::quantise::{SeparationOptions, SeparationReport, separate};
-use crate::stiffen::{self, PlacedSolver, StiffenOptions, StiffenReport, stiffen};
+use crate::stiffen::{self, StiffenOptions, StiffenReport, stiffen};
 use crate::tmesh::trace;
 use crate::untangle::{UntangleOptions, UntangleReport, untangle};
 use quadloom_field::{CrossField, SizeField, Transport};
@@ -282,9 +283,8 @@ impl<'a> Parametrizer<'a> {
         gradient: &FaceMap<FaceGradient>,
         options: &ParamOptions,
         progress: &Progress,
-    ) -> Result<Result<PlacedMap, Vec<FaceId>>, ParamError> {
-        let fine = GRID_UNIT >> SEAMLESS_BITS;
-        let scale = (GRID_UNIT / fine) as f64;
+    ) -> Result<Result<Seamless, Vec<FaceId>>, ParamError> {
+        let scale = (GRID_UNIT / SEAMLESS_UNIT) as f64;
         let direct = SolveOptions { rounding: Rounding::Direct, ..SolveOptions::default() };
         let mut weight = self.first_weights(&options.stiffen);
         let mut folds = Vec::new();
@@ -293,7 +293,8 @@ impl<'a> Parametrizer<'a> {
             progress.check()?;
             let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, scale);
             let solution = self.solver.solve(&energy, &direct).map_err(|e| solve_error(e, progress))?;
-            let mut map = PlacedMap::new(self.mesh, &self.charts, &solution.x, fine).map_err(ParamError::Placement)?;
+            let mut map =
+                PlacedMap::new(self.mesh, &self.charts, &solution.x, SEAMLESS_UNIT).map_err(ParamError::Placement)?;
             if round < options.seamless_rounds {
                 stiffen::reweight(self.mesh, &map, gradient, &mut weight, &options.stiffen);
             }
@@ -304,7 +305,8 @@ impl<'a> Parametrizer<'a> {
                 folds = map.folded_faces(self.mesh);
             }
             if folds.is_empty() {
-                return Ok(Ok(map));
+                let x = solution.x.iter().map(|x| x / scale).collect();
+                return Ok(Ok(Seamless { map, x }));
             }
             in_vain = if folds.len() < fewest { 0 } else { in_vain + 1 };
             fewest = fewest.min(folds.len());
@@ -338,10 +340,11 @@ impl<'a> Parametrizer<'a> {
         };
         let weight = self.first_weights(&options.stiffen);
         // 2. Its motorcycle graph.
-        let lattice = seamless.to_lattice(self.mesh);
+        let lattice = seamless.map.to_lattice(self.mesh);
         let Ok(tmesh) = trace(self.mesh, self.features, &self.charts, &lattice, progress) else {
             return Ok(None);
         };
+        let most_steps = self.most_steps();
         // 3. Integers.
         let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, 1.0);
         let cancelled = || progress.cancelled();
@@ -353,64 +356,23 @@ impl<'a> Parametrizer<'a> {
         progress.check()?;
         let Some(z) = found else { return Ok(None) };
         let x = problem.complete(&z).map_err(failed)?;
-        let start = PlacedMap::new(self.mesh, &self.charts, &x, GRID_UNIT).map_err(ParamError::Placement)?;
+        let target = PlacedMap::new(self.mesh, &self.charts, &x, GRID_UNIT).map_err(ParamError::Placement)?;
         // 4. Points at these integers.
-        Ok(Some(self.follow(start, &seamless, gradient, options, report, progress)))
-    }
-
-    /// Gives a map Jacobians near those of a fold-free one, which keeps it nearly fold-free at its own integers, and
-    /// untangles it; where folds remain, the same with larger weights around them.
-    ///
-    /// # Output     the map with the fewest folds
-    fn follow(
-        &self,
-        start: PlacedMap,
-        model: &PlacedMap,
-        gradient: &FaceMap<FaceGradient>,
-        options: &ParamOptions,
-        report: &mut ParamReport,
-        progress: &Progress,
-    ) -> PlacedMap {
-        let target = FaceMap::from_fn(self.mesh.face_count(), |f| jacobian(&gradient[f], model.face(self.mesh, f)));
-        // Thin triangles weigh more: a face of Jacobian J gets weight 1/σ_min(J)², at most 1e4.
-        let mut weight = target.map(|j| {
-            let norm: f64 = j.as_flattened().iter().map(|x| x * x).sum();
-            let determinant = (j[0][0] * j[1][1] - j[0][1] * j[1][0]).abs();
-            // σ_min = det/σ_max and σ_max² ≤ |J|².
-            (norm / (determinant * determinant).max(f64::MIN_POSITIVE)).clamp(1.0, 1e4)
-        });
-        let isotropic = EnergyOptions { anisotropy: 1.0 };
-        let mut solver = PlacedSolver::new(self.mesh, &start);
-        let mut best: Option<(usize, PlacedMap)> = None;
-        let mut steps = 0;
-        for round in 0..FOLLOWING_ROUNDS {
-            let mut map = start.clone();
-            solver.approach(self.mesh, &mut map, gradient, &weight, &isotropic, |f| target[f]);
-            let folded = map.folded_faces(self.mesh);
-            let untangled = untangle(self.mesh, &mut map, gradient, &options.untangle, progress);
-            steps += untangled.steps;
-            let left = map.folded_faces(self.mesh);
-            for f in folded.iter().chain(&left) {
-                self.mesh.face_vertices(*f).iter().flat_map(|v| self.mesh.outgoing(*v)).for_each(|h| {
-                    let w = &mut weight[self.mesh.face(h)];
-                    *w = (*w * options.stiffen.fan_factor).min(1e6);
-                });
-            }
-            let count = left.len();
-            if best.as_ref().is_none_or(|b| count < b.0) {
-                best = Some((count, map));
-                report.untangle = untangled;
-                if let Some(separation) = &mut report.separation {
-                    separation.inverted = [folded.len(), count];
-                    separation.followings = round + 1;
-                }
-            }
-            let hopeless = folded.len() > HOPELESS_FOLLOWING || steps > self.most_steps();
-            if count == 0 || hopeless || progress.cancelled() {
-                break;
-            }
+        let follower = Follower { mesh: self.mesh, gradient, untangle: &options.untangle, most_steps, progress };
+        let first = problem.values_in(&seamless.x);
+        let scale = (GRID_UNIT / SEAMLESS_UNIT) as f64;
+        let between = |part: f64| {
+            let x: Vec<f64> =
+                problem.complete_relaxed(&on_the_way(&first, &z, part)).iter().map(|x| x * scale).collect();
+            PlacedMap::new(self.mesh, &self.charts, &x, SEAMLESS_UNIT)
+        };
+        let followed = follower.follow(&seamless.map, target, between);
+        report.untangle = followed.untangled;
+        if let Some(separation) = &mut report.separation {
+            separation.inverted = [followed.folded, followed.left];
+            separation.followings = followed.attempts;
         }
-        best.map_or(start, |b| b.1)
+        Ok(Some(followed.map))
     }
 
     /// Newton steps of untangling after which no further round is begun.
@@ -422,12 +384,6 @@ impl<'a> Parametrizer<'a> {
 /// Newton steps that any map may take: a few regions with all their rings. Larger meshes may take one per face: a
 /// crumb of a hundred faces would else take as long as a whole model, and many models have a hundred crumbs.
 const LEAST_STEPS: u32 = 300;
-
-/// Inverted faces of a followed map beyond which its integers are not worth another attempt.
-const HOPELESS_FOLLOWING: usize = 800;
-
-/// Attempts at points for separated integers; the first one suffices for most maps.
-const FOLLOWING_ROUNDS: u32 = 4;
 
 /// Products that one reduction of the energy may take: about ten seconds.
 ///
@@ -463,11 +419,18 @@ const MOST_UNTANGLED: usize = 120;
 /// Faces that a report names.
 const MAX_NAMED_FACES: usize = 20;
 
-/// Binary digits of the grid on which the seamless map lives.
+/// Lattice units of the grid on which the seamless map lives: 2^-16 of a quad edge.
 ///
-/// More: rounding moves singular vertices less (2^-16 of a quad edge is far below any triangle's height); fewer would
-/// leave more lattice digits below it, which it does not need.
-const SEAMLESS_BITS: u32 = 16;
+/// Finer: rounding moves singular vertices less (this is far below any triangle's height already); coarser would leave
+/// more lattice digits below it, which it does not need.
+const SEAMLESS_UNIT: i64 = GRID_UNIT >> 16;
+
+/// A fold-free map on a grid so fine that rounding to it does not matter.
+struct Seamless {
+    map: PlacedMap,
+    /// The solution that has its integers, grid units.
+    x: Vec<f64>,
+}
 
 fn solve_error(error: SolveError, progress: &Progress) -> ParamError {
     match progress.check() {

@@ -15,13 +15,16 @@ use std::collections::BTreeMap;
 /// How long separation goes on.
 #[derive(Clone, Debug)]
 pub struct SeparationOptions {
-    /// Most rounds: paths that are added, or integers that are chosen again. Default 150; few maps need more than ten.
+    /// Most rounds: paths that are added, or integers that are chosen again. Default 60; few maps need more than ten.
     pub rounds: u32,
+    /// Most passes in which a few integers at a time are chosen again for less energy. Default 3: later ones change
+    /// little.
+    pub improvements: u32,
 }
 
 impl Default for SeparationOptions {
     fn default() -> Self {
-        Self { rounds: 150 }
+        Self { rounds: 60, improvements: 3 }
     }
 }
 
@@ -85,7 +88,7 @@ impl Lengths {
     }
 }
 
-/// Rounds again and again, each time keeping the paths apart that collapsed before.
+/// Chooses the integers, each time keeping the paths apart that collapsed before.
 ///
 /// # Output     the free integers, if all conditions hold, and the report
 /// # Errors     cancellation
@@ -96,94 +99,165 @@ pub fn separate(
     problem: &IntegerProblem,
     solve: &SolveOptions,
 ) -> Result<(Option<Vec<f64>>, SeparationReport), SolveError> {
-    let mut report = SeparationReport { arcs: tmesh.arcs.len(), ..Default::default() };
-    // 1. No arc is reversed; equal lengths are one row.
     let lengths = Lengths::new(tmesh, problem);
-    let mut rows: Vec<LowerBound> = (0..tmesh.arcs.len()).filter_map(|i| lengths.bound(&[i], 0.0)).collect();
-    let key = |row: &LowerBound| row.terms.iter().map(|t| (t.0, t.1.to_bits())).collect::<Vec<_>>();
-    rows.sort_by_cached_key(key);
-    rows.dedup_by(|b, a| {
-        a.terms == b.terms && {
-            a.least = a.least.max(b.least);
-            true
-        }
-    });
-    let first = rows.len();
-    let mut margin = vec![0.0; first];
-    let mut z = problem.round(&rows, &[], solve)?;
-    let mut reach = 1;
+    // 1. No arc is reversed.
+    let mut conditions = Conditions::of_arcs(tmesh, &lengths);
+    let mut report = SeparationReport { arcs: tmesh.arcs.len(), ..Default::default() };
+    let mut z = problem.round(&conditions.rows, &[], solve)?;
+    let mut improvements = 0;
     while report.rounds < options.rounds {
         report.rounds += 1;
-        report.prescribed = rows.len() - first;
-        let missed: Vec<usize> = (0..rows.len()).filter(|&r| rows[r].is_missed(&z)).collect();
+        report.prescribed = conditions.rows.len() - conditions.arcs;
+        // 2. Missed rows: single integers jump; where that does not help, all are chosen again with a margin.
+        let missed = conditions.missed(&z);
         report.violated = missed.len();
-        if missed.is_empty() {
-            // 2. No path between places that must differ collapses.
-            let collapsed = collapsed_paths(tmesh, &lengths.values(&z));
-            report.violated = collapsed.len();
-            if collapsed.is_empty() {
-                return Ok((Some(z), report));
-            }
-            let before = rows.len();
-            for row in collapsed.iter().filter_map(|path| lengths.bound(path, 1.0)) {
-                if !rows[first..].contains(&row) {
-                    rows.push(row);
-                    margin.push(0.0);
-                }
-            }
-            if rows.len() == before {
+        if !missed.is_empty() {
+            if !conditions.mend(&mut z, problem, solve)? && !conditions.widen(&mut z, problem, solve)? {
                 break;
             }
-            reach = 1;
             continue;
         }
-        // 3. Missed rows: the integers around them are chosen again.
-        let shortfall = |z: &[f64]| rows.iter().map(|r| r.shortfall(z).max(0.0)).sum::<f64>();
-        if reach <= LARGEST_REACH {
-            let kept = far_integers(&rows, &missed, &z, reach);
-            let other = problem.round(&rows, &kept, solve)?;
-            if shortfall(&other) < shortfall(&z) - 0.5 {
-                z = other;
-                reach = 1;
-            } else {
-                reach += 1;
+        // 3. No path between places that must differ collapses.
+        let collapsed = collapsed_paths(tmesh, &lengths.values(&z));
+        report.violated = collapsed.len();
+        if !collapsed.is_empty() {
+            if !conditions.add(collapsed.iter().filter_map(|path| lengths.bound(path, 1.0))) {
+                break;
             }
             continue;
         }
-        // 4. Where that does not help, all of them, with a margin for the rows that rounding misses.
-        if missed.iter().all(|&r| margin[r] >= LARGEST_MARGIN) {
-            break;
+        // 4. Under all of them, few integers at a time are chosen better.
+        if improvements >= options.improvements || !conditions.improve(&mut z, problem, solve)? {
+            return Ok((Some(z), report));
         }
-        missed.into_iter().for_each(|r| margin[r] += MARGIN_STEP);
-        let wanted: Vec<LowerBound> =
-            rows.iter().zip(&margin).map(|(r, m)| LowerBound { least: r.least + m, ..r.clone() }).collect();
-        z = problem.round(&wanted, &[], solve)?;
-        reach = 1;
+        improvements += 1;
     }
     Ok((None, report))
 }
 
-/// The integers, with their values, that are not within `reach` rows of the missed ones.
-///
-/// Only rows that a unit more or less would break tie integers to each other.
-fn far_integers(rows: &[LowerBound], missed: &[usize], z: &[f64], reach: u32) -> Vec<(usize, f64)> {
-    let mut near = vec![false; z.len()];
-    missed.iter().flat_map(|&r| &rows[r].terms).for_each(|t| near[t.0 as usize] = true);
-    for _ in 1..reach {
-        let mut next = near.clone();
-        for row in rows.iter().filter(|r| r.shortfall(z) > -TIGHT && r.terms.iter().any(|t| near[t.0 as usize])) {
-            row.terms.iter().for_each(|t| next[t.0 as usize] = true);
-        }
-        near = next;
+/// Rows that the integers are to meet.
+struct Conditions {
+    rows: Vec<LowerBound>,
+    /// Per row how much longer it is asked to be, because rounding missed it.
+    margin: Vec<f64>,
+    /// The first rows are those of single arcs.
+    arcs: usize,
+}
+
+impl Conditions {
+    /// Equal lengths are one row.
+    fn of_arcs(tmesh: &TMesh, lengths: &Lengths) -> Self {
+        let mut rows: Vec<LowerBound> = (0..tmesh.arcs.len()).filter_map(|i| lengths.bound(&[i], 0.0)).collect();
+        rows.sort_by_cached_key(|row| row.terms.iter().map(|t| (t.0, t.1.to_bits())).collect::<Vec<_>>());
+        rows.dedup_by(|b, a| {
+            a.terms == b.terms && {
+                a.least = a.least.max(b.least);
+                true
+            }
+        });
+        Self { margin: vec![0.0; rows.len()], arcs: rows.len(), rows }
     }
-    (0..z.len()).filter(|&i| !near[i]).map(|i| (i, z[i])).collect()
+
+    fn missed(&self, z: &[f64]) -> Vec<usize> {
+        (0..self.rows.len()).filter(|&r| self.rows[r].is_missed(z)).collect()
+    }
+
+    /// What is missing in all.
+    fn shortfall(&self, z: &[f64]) -> f64 {
+        self.rows.iter().map(|r| r.shortfall(z).max(0.0)).sum()
+    }
+
+    /// Adds rows; whether there was a new one.
+    fn add(&mut self, rows: impl Iterator<Item = LowerBound>) -> bool {
+        let before = self.rows.len();
+        for row in rows {
+            if !self.rows[self.arcs..].contains(&row) {
+                self.rows.push(row);
+                self.margin.push(0.0);
+            }
+        }
+        self.rows.len() > before
+    }
+
+    /// Lets integers jump from where they are and from a new rounding; the better one is taken, if it misses less.
+    fn mend(&self, z: &mut Vec<f64>, problem: &IntegerProblem, solve: &SolveOptions) -> Result<bool, SolveError> {
+        let from_here = problem.mend(&self.rows, z);
+        let anew = problem.mend(&self.rows, &problem.round(&self.rows, &[], solve)?);
+        let cost = |z: &[f64]| (self.shortfall(z).round(), problem.excess(z));
+        let better = if cost(&anew) < cost(&from_here) { anew } else { from_here };
+        let helps = self.shortfall(&better) < self.shortfall(z) - 0.5;
+        if helps {
+            *z = better;
+        }
+        Ok(helps)
+    }
+
+    /// Rounds again with more room for the rows that are missed; `false` where there has been enough of that.
+    fn widen(&mut self, z: &mut Vec<f64>, problem: &IntegerProblem, solve: &SolveOptions) -> Result<bool, SolveError> {
+        let missed = self.missed(z);
+        if missed.iter().all(|&r| self.margin[r] >= LARGEST_MARGIN) {
+            return Ok(false);
+        }
+        missed.into_iter().for_each(|r| self.margin[r] += MARGIN_STEP);
+        let wider = |(r, m): (&LowerBound, &f64)| LowerBound { least: r.least + m, ..r.clone() };
+        let wanted: Vec<LowerBound> = self.rows.iter().zip(&self.margin).map(wider).collect();
+        *z = problem.mend(&self.rows, &problem.round(&wanted, &[], solve)?);
+        Ok(true)
+    }
+
+    /// Chooses integers again, one neighbourhood after the other, where all rows stay met; whether any changed.
+    fn improve(&self, z: &mut Vec<f64>, problem: &IntegerProblem, solve: &SolveOptions) -> Result<bool, SolveError> {
+        let mut rows_of = vec![Vec::new(); z.len()];
+        for (row, r) in self.rows.iter().zip(0u32..) {
+            row.terms.iter().for_each(|t| rows_of[t.0 as usize].push(r));
+        }
+        let before = problem.excess(z);
+        let mut least = before;
+        let mut settled = vec![false; z.len()];
+        for root in 0..z.len() {
+            if settled[root] {
+                continue;
+            }
+            let near = self.neighbourhood(root, &rows_of, z);
+            near.iter().take(NEIGHBOURHOOD / 2).for_each(|&i| settled[i] = true);
+            let mut free = vec![false; z.len()];
+            near.iter().for_each(|&i| free[i] = true);
+            let kept: Vec<(usize, f64)> = (0..z.len()).filter(|&i| !free[i]).map(|i| (i, z[i])).collect();
+            let other = problem.round(&self.rows, &kept, solve)?;
+            let excess = problem.excess(&other);
+            if excess < least - 1e-9 * before && self.missed(&other).is_empty() {
+                (least, *z) = (excess, other);
+            }
+        }
+        Ok(least < before)
+    }
+
+    /// Integers around one, nearest first, that rows without room to spare tie to each other.
+    fn neighbourhood(&self, root: usize, rows_of: &[Vec<u32>], z: &[f64]) -> Vec<usize> {
+        let mut near = vec![root];
+        let mut known = vec![false; z.len()];
+        known[root] = true;
+        let mut next = 0;
+        while next < near.len() && near.len() < NEIGHBOURHOOD {
+            let tight = rows_of[near[next]].iter().map(|&r| &self.rows[r as usize]).filter(|r| r.shortfall(z) > -TIGHT);
+            for &(i, _) in tight.flat_map(|row| &row.terms) {
+                if !std::mem::replace(&mut known[i as usize], true) && near.len() < NEIGHBOURHOOD {
+                    near.push(i as usize);
+                }
+            }
+            next += 1;
+        }
+        near
+    }
 }
 
 /// A row with no more than this to spare, in quads, ties its integers to each other.
 const TIGHT: f64 = 1.5;
 
-/// Rows from the missed ones within which integers are chosen again before all are.
-const LARGEST_REACH: u32 = 3;
+/// Integers that are chosen again together.
+///
+/// Fewer: less is gained; more: a rounding costs their third power.
+const NEIGHBOURHOOD: usize = 40;
 
 /// Paths of zero arcs that join two places which must differ.
 ///
