@@ -3,6 +3,7 @@
 //! In: a triangle mesh and its features. Out: [`CrossField`], [`SizeField`]. Source: [Bommes2012] §8.1 to 8.3, 8.6.
 #![warn(missing_docs)]
 
+mod carry;
 pub mod constraints;
 pub mod cross_field;
 pub mod curvature;

@@ -8,7 +8,7 @@ use quadloom_field::{CrossField, FieldConstraints, FieldOptions, SizeField, Tran
 use quadloom_mesh::features::FeatureOptions;
 use quadloom_mesh::remesh::{RemeshOptions, TargetLength, isotropic};
 use quadloom_mesh::{DVec3, FaceId, FeatureGraph, MeshError, Progress, TriMesh, metric};
-use quadloom_param::{Charts, MapDefect, ParamOptions, Parametrization, Parametrizer, solve_open_field};
+use quadloom_param::{Charts, MapDefect, ParamOptions, Parametrization, Parametrizer, make_room, solve_open_field};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -105,7 +105,10 @@ fn prepare(path: &Path, settings: &Settings) -> Result<Model, Box<dyn std::error
     };
     let (field, report) = solve_open_field(&mesh, &transport, &length, &features, &constraints, &options, &progress)?;
     println!("{report:?}");
-    Ok(Model { mesh, features, field, edge })
+    match make_room(&mesh, &features, &features, &field)? {
+        Some((refined, field)) => Ok(Model { mesh: refined.mesh, features: refined.features, field, edge }),
+        None => Ok(Model { mesh, features, field, edge }),
+    }
 }
 
 fn print_rungs(model: &Model, charts: &Charts, result: &Parametrization) {

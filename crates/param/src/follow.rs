@@ -35,7 +35,9 @@ pub(crate) struct Followed {
 }
 
 /// Shortest step towards the integers.
-const SHORTEST_STEP: f64 = 1.0 / 16.0;
+const SHORTEST_STEP: f64 = 1.0 / 64.0;
+
+const FULL: f64 = 0.2;
 
 impl Follower<'_> {
     /// Goes straight to the integers, then, if folds are left, in steps.
@@ -52,26 +54,32 @@ impl Follower<'_> {
     ) -> Followed {
         let mut solver = PlacedSolver::new(self.mesh, &target);
         // 1. Straight.
-        let mut best = self.attempt(&mut solver, &target, model);
+        let mut best = self.attempt(&mut solver, &target, model, &self.untangle.quick());
         // 2. In steps, half as long where one fails.
-        let (mut at, mut step) = (0.0, 0.5);
+        let (mut at, mut step, mut streak) = (0.0, 0.5, 0);
         let mut steps = best.untangled.steps;
         let mut last = model.clone();
+        let quick = self.untangle.quick();
         while best.left > 0 && step >= SHORTEST_STEP && steps <= self.most_steps && !self.progress.cancelled() {
             let next = f64::min(at + step, 1.0);
             let there = if next < 1.0 { between(next) } else { Ok(target.clone()) };
             let Ok(there) = there else { break };
-            let mut followed = self.attempt(&mut solver, &there, &last);
+            let mut followed =
+                self.attempt(&mut solver, &there, &last, if step > FULL { &quick } else { self.untangle });
             steps += followed.untangled.steps;
             best.attempts += 1;
             followed.attempts = best.attempts;
             if next >= 1.0 && followed.left < best.left {
                 best = followed;
-                step *= 0.5;
+                (step, streak) = (0.5 * step, 0);
             } else if next < 1.0 && followed.left == 0 {
                 (at, last) = (next, followed.map);
+                streak += 1;
+                if streak == 2 {
+                    (step, streak) = (2.0 * step, 0);
+                }
             } else {
-                step *= 0.5;
+                (step, streak) = (0.5 * step, 0);
             }
         }
         best
@@ -79,7 +87,13 @@ impl Follower<'_> {
 
     /// Gives the target Jacobians near those of the model, which keeps it nearly fold-free at its own integers, and
     /// untangles it.
-    fn attempt(&self, solver: &mut PlacedSolver, target: &PlacedMap, model: &PlacedMap) -> Followed {
+    fn attempt(
+        &self,
+        solver: &mut PlacedSolver,
+        target: &PlacedMap,
+        model: &PlacedMap,
+        options: &UntangleOptions,
+    ) -> Followed {
         let wanted =
             FaceMap::from_fn(self.mesh.face_count(), |f| jacobian(&self.gradient[f], model.face(self.mesh, f)));
         let weight = wanted.map(|j| thinness(*j));
@@ -87,7 +101,7 @@ impl Follower<'_> {
         let mut map = target.clone();
         solver.approach(self.mesh, &mut map, self.gradient, &weight, &isotropic, |f| wanted[f]);
         let folded = map.folded_faces(self.mesh).len();
-        let untangled = untangle(self.mesh, &mut map, self.gradient, self.untangle, self.progress);
+        let untangled = untangle(self.mesh, &mut map, self.gradient, options, self.progress);
         let left = map.folded_faces(self.mesh).len();
         Followed { map, folded, left, untangled, attempts: 1 }
     }

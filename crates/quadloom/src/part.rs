@@ -11,8 +11,8 @@ use crate::report::Seconds;
 use crate::sizes::{SizeRequest, relative_sizes};
 use crate::split::split_surface;
 use crate::stages::{
-    SizedMap, WorkMesh, count_goal, cross_field, extract_quads, integer_grid_map, no_result, work_edge_length,
-    work_mesh, work_mesh_with_field,
+    SizedMap, WorkMesh, count_goal, cross_field, extract_quads, integer_grid_map, no_result, with_room,
+    work_edge_length, work_mesh, work_mesh_with_field,
 };
 use crate::verify::verify;
 use quadloom_extract::{Distances, Extraction, FinishError, FinishOptions, Reference, finish};
@@ -251,6 +251,7 @@ impl<'a> Run<'a> {
         let make = || work_mesh_with_field(self.request.mesh, features, direction, self.options);
         let (work, field) = self.seconds.time("work mesh", make)?;
         let energy = field.energy(&work.mesh, &Transport::of(&work.mesh));
+        let (work, field) = with_room(work, field, self.options)?;
         Ok((work, field, energy))
     }
 
@@ -274,6 +275,7 @@ impl<'a> Run<'a> {
         self.progress.report("cross field", 0.0);
         let solve = || cross_field(&work, edge, &singularities, self.progress);
         let (field, report) = self.seconds.time("cross field", solve)?;
+        let (work, field) = with_room(work, field, self.options)?;
         Ok((work, field, report.energy))
     }
 

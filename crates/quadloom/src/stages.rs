@@ -13,7 +13,9 @@ use quadloom_field::{CrossField, FieldConstraints, FieldOptions, FieldReport, Si
 use quadloom_mesh::refine::separate_features;
 use quadloom_mesh::remesh::{self, TargetLength, isotropic};
 use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, TriMesh, VertexId, metric};
-use quadloom_param::{GRID_UNIT, IntegerGridMap, ParamOptions, Parametrization, Parametrizer, solve_open_field};
+use quadloom_param::{
+    GRID_UNIT, IntegerGridMap, ParamOptions, Parametrization, Parametrizer, make_room, solve_open_field,
+};
 
 /// Edge length of the work mesh, relative to that of the quads.
 ///
@@ -122,6 +124,21 @@ pub fn cross_field(
             RemeshError::Mismatch { what: "the list of singularities", why: e.to_string() }
         }
         other => no_result("cross field", other),
+    })
+}
+
+/// The same field with room around its singular vertices and features.
+///
+/// # Errors     more elements than ids
+pub fn with_room(
+    work: WorkMesh,
+    field: CrossField,
+    options: &RemeshOptions,
+) -> Result<(WorkMesh, CrossField), RemeshError> {
+    let room = make_room(&work.mesh, &work.features, &work.binding, &field).map_err(|e| no_result("work mesh", e))?;
+    Ok(match room {
+        Some((refined, carried)) => (WorkMesh::new(refined.mesh, refined.features, options), carried),
+        None => (work, field),
     })
 }
 
