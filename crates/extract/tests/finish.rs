@@ -115,6 +115,33 @@ fn inverted_start_is_cured() {
     assert!(after.inverted == 0 && after.scaled_jacobian_mean > 0.95, "{after:?}");
 }
 
+/// A flat sheet of unit quads with a cone of the given height on the middle of one of them, and the cone's apex.
+fn sheet_with_cone(height: f64) -> (Model, DVec3) {
+    let model = rectangle_with_line([10, 8], [40, 32], 0.0, None, 1);
+    let apex = DVec3::new(4.5, 3.5, 0.0);
+    let rise = |p: DVec3| height * (1.0 - (p - apex).truncate().length()).max(0.0);
+    (moved(model, |p| p + DVec3::Z * rise(p)), apex + DVec3::Z * height)
+}
+
+#[test]
+fn a_tip_between_the_quads_is_reached() {
+    let (model, tip) = sheet_with_cone(1.5);
+    let (quads, finished) = run(&model);
+    let nearest = |mesh: &quadloom_mesh::QuadMesh| {
+        mesh.vertices().map(|v| mesh.position(v).distance(tip)).fold(f64::INFINITY, f64::min)
+    };
+    assert!(nearest(&quads.mesh) > 0.7, "the grid misses it: {}", nearest(&quads.mesh));
+    assert!(finished.report.tips > 0);
+    assert!(nearest(&finished.mesh) < 0.2, "{}", nearest(&finished.mesh));
+    assert_eq!(QuadQuality::of(&finished.mesh).summary().inverted, 0);
+}
+
+#[test]
+fn sag_below_half_an_edge_is_no_tip() {
+    let (model, _) = sheet_with_cone(0.3);
+    assert_eq!(run(&model).1.report.tips, 0);
+}
+
 #[test]
 fn other_features_are_noticed() {
     let model = sheet(2);

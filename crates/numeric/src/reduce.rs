@@ -200,4 +200,53 @@ mod tests {
             assert!((difference(t) - difference(0.0)).abs() < 1e-10);
         }
     }
+
+    /// Seams of surfaces with many handles make every variable depend on the same few integers, whose columns of B are
+    /// full: the product row by row must still be Bᵀ·A·B, here by dense arithmetic.
+    #[test]
+    fn columns_that_every_variable_depends_on_are_multiplied_right() {
+        let (free, followers) = (3, 40);
+        let n = free + followers;
+        let mut quadratic = Quadratic::new(n);
+        let coefficient = |i: usize, j: usize| ((i * 7 + j * 3) % 11) as f64 - 5.0;
+        for i in 0..n {
+            quadratic.add(i, i, 50.0 + i as f64);
+            for j in i + 1..n {
+                quadratic.add(i, j, 0.1 * coefficient(i, j));
+            }
+            quadratic.add_rhs(i, coefficient(i, i + 1));
+        }
+        let follows = |i: usize, k: usize| 1.0 + (i % (k + 2)) as f64;
+        let mut constraints = Constraints::new();
+        for i in free..n {
+            let mut row = vec![(i, 1.0)];
+            row.extend((0..free).map(|k| (k, -follows(i, k))));
+            constraints.add(&row, 0.25 * i as f64, i);
+        }
+        // The first variables are integers, so that the others are the pivots.
+        let is_integer: Vec<bool> = (0..n).map(|i| i < free).collect();
+        let elimination = Elimination::eliminate(n, &constraints, &is_integer).unwrap();
+        assert_eq!(elimination.free(), [0, 1, 2]);
+        let substitution = Substitution::new(&elimination, &[None; 3]);
+        assert!((free..n).all(|i| substitution.expression(i).0.len() == free), "every column is full");
+        let reduced = reduce(&quadratic, &substitution);
+        let b = |i: usize, k: usize| if i < free { f64::from(u8::from(i == k)) } else { follows(i, k) };
+        let c = |i: usize| if i < free { 0.0 } else { 0.25 * i as f64 };
+        let a = |i: usize, j: usize| match i.cmp(&j) {
+            std::cmp::Ordering::Equal => 50.0 + i as f64,
+            _ => 0.1 * coefficient(i.min(j), i.max(j)),
+        };
+        for k in 0..free {
+            let unit: Vec<f64> = (0..free).map(|l| f64::from(u8::from(l == k))).collect();
+            let column = reduced.matrix.multiply(&unit);
+            for (l, &entry) in column.iter().enumerate() {
+                let wanted: f64 =
+                    (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| b(i, l) * a(i, j) * b(j, k)).sum();
+                assert!((entry - wanted).abs() < 1e-9 * wanted.abs().max(1.0), "{k} {l}: {entry} {wanted}");
+            }
+            let shifted = |i: usize| coefficient(i, i + 1) - (0..n).map(|j| a(i, j) * c(j)).sum::<f64>();
+            let wanted: f64 = (0..n).map(|i| b(i, k) * shifted(i)).sum();
+            assert!((reduced.rhs[k] - wanted).abs() < 1e-9 * wanted.abs().max(1.0));
+        }
+    }
 }

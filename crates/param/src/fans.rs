@@ -107,6 +107,7 @@ fn undistorted(mesh: &TriConnectivity, gradient: &FaceMap<FaceGradient>, h: Half
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::integer_grid_map::Transition;
     use quadloom_mesh::shapes;
 
     #[test]
@@ -126,5 +127,43 @@ mod tests {
                 assert!(a.distance(p[(k + 1) % 3] - p[k]) < 1e-12 && b.distance(p[(k + 2) % 3] - p[k]) < 1e-12);
             }
         }
+    }
+
+    /// Ten equal triangles around a vertex of five quarter turns, drawn with `quarters` of them.
+    fn fan(quarters: f64) -> (quadloom_mesh::TriMesh, PlacedMap) {
+        let n = 10u32;
+        let at = |k: u32, full: f64| DVec2::from_angle(f64::from(k) / f64::from(n) * full);
+        let on_ring = |k: u32| at(k, std::f64::consts::TAU).extend(0.0);
+        let positions = std::iter::once(quadloom_mesh::DVec3::ZERO).chain((0..n).map(on_ring)).collect();
+        let faces: Vec<[u32; 3]> = (0..n).map(|k| [0, k + 1, (k + 1) % n + 1]).collect();
+        let mesh = quadloom_mesh::TriMesh::new(positions, &faces).expect("a disk");
+        let to_corner = quadloom_mesh::CornerMap::from_fn(mesh.half_edge_count(), |h| {
+            // The last triangle sees the first vertex of the ring across the seam, a quarter turn further.
+            let across = mesh.origin(h) == VertexId(1) && mesh.face(h).0 == n - 1;
+            Transition { quarter_turns: u8::from(across), translation: [0, 0] }
+        });
+        let point = quadloom_mesh::VertexMap::from_fn(mesh.vertex_count(), |v| match v.0 {
+            0 => [0.0; 2],
+            k => at(k - 1, quarters * FRAC_PI_2).into(),
+        });
+        let map = PlacedMap {
+            point,
+            fixed: quadloom_mesh::VertexMap::filled(mesh.vertex_count(), [false; 2]),
+            to_corner: to_corner.into(),
+            transition: quadloom_mesh::HalfEdgeMap::filled(mesh.half_edge_count(), Transition::IDENTITY).into(),
+            saddles: vec![Saddle { vertex: VertexId(0), quarters: 5 }],
+        };
+        (mesh, map)
+    }
+
+    #[test]
+    fn a_fan_of_positive_triangles_that_winds_wrongly_counts_as_folded() {
+        let (mesh, wrong) = fan(1.0);
+        assert!(wrong.to_lattice(&mesh).inverted_faces(&mesh).is_empty(), "all triangles are positive");
+        assert!(is_wrong(&mesh, &wrong, wrong.saddles[0]));
+        assert_eq!(wrong.folded_faces(&mesh), mesh.faces().collect::<Vec<_>>());
+        let (mesh, right) = fan(5.0);
+        assert!(!is_wrong(&mesh, &right, right.saddles[0]));
+        assert_eq!(right.folded_faces(&mesh), []);
     }
 }
