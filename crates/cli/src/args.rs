@@ -103,6 +103,12 @@ pub struct RemeshArgs {
     /// Singular vertices to use: lines of vertex number and index in quarters (valence 3 is 1)
     #[arg(long, value_name = "FILE", help_heading = "Directions")]
     pub singularities: Option<PathBuf>,
+    /// Join the irregular vertices nearest to two vertices of the input by a chain of quad edges; may be repeated
+    #[arg(long, value_name = "A,B", value_parser = parse_tie, help_heading = "Directions")]
+    pub tie: Vec<[u32; 2]>,
+    /// Move singular vertices where that lowers the distortion of the map: slower by a factor of ten and more
+    #[arg(long, help_heading = "Directions")]
+    pub relocate: bool,
     /// How integers are found
     #[arg(long, value_enum, default_value_t = MethodArg::Greedy, help_heading = "Directions")]
     pub method: MethodArg,
@@ -231,6 +237,11 @@ fn parse_sharp_angle(text: &str) -> Result<SharpAngle, String> {
     }
     let degrees: f64 = text.parse().map_err(|_| "a number of degrees, or off".to_string())?;
     Ok(SharpAngle(Some(degrees)))
+}
+
+fn parse_tie(text: &str) -> Result<[u32; 2], String> {
+    let ends: Option<Vec<u32>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
+    ends.and_then(|ends| ends.try_into().ok()).ok_or_else(|| "two vertex numbers from 0, as in 17,204".into())
 }
 
 /// How progress is shown.

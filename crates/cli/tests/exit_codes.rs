@@ -77,6 +77,8 @@ fn files_that_do_not_fit_the_input_are_refused() {
     bench.line("remesh sample:cube -o out.obj --field short.rosy").fails_with(4, &["cross field", "1 vectors"]);
     bench.write("far.txt", "99999999 1\n");
     bench.line("remesh sample:cube -o out.obj --singularities far.txt").fails_with(4, &["99999999"]);
+    bench.line("remesh sample:cube -o out.obj --tie 0,99999999").fails_with(4, &["--tie", "99999999"]);
+    bench.line("remesh sample:cube -o out.obj --tie 0").fails_with(2, &["--tie", "17,204"]);
     assert!(!bench.path("out.obj").exists());
 }
 

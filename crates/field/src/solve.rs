@@ -236,7 +236,7 @@ fn turn_free_components(
 }
 
 /// Takes of each soft direction's four branches the one nearest to the field.
-fn turn_soft_directions(roots: &mut Roots, angle: &FaceMap<f64>) {
+pub(crate) fn turn_soft_directions(roots: &mut Roots, angle: &FaceMap<f64>) {
     for f in angle.ids() {
         if let Some(soft) = roots.soft[f] {
             let turns = ((angle[f] - soft.angle) / FRAC_PI_2).round();

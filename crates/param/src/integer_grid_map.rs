@@ -108,6 +108,11 @@ impl IntegerGridMap {
         mesh.face_half_edges(f).map(|h| self.uv[h])
     }
 
+    /// Images of the corners of a face, grid units, to rounding.
+    pub fn face_in_units(&self, mesh: &TriConnectivity, f: FaceId) -> [[f64; 2]; 3] {
+        self.face_uv(mesh, f).map(|p| p.map(|x| x as f64 / GRID_UNIT as f64))
+    }
+
     /// Twice the signed area of a face's image, lattice units squared.
     pub fn face_area(&self, mesh: &TriConnectivity, f: FaceId) -> i128 {
         let [a, b, c] = self.face_uv(mesh, f);

@@ -15,6 +15,7 @@ use crate::problem::{
 };
 use crate::quantise::{SeparationOptions, SeparationReport, separate};
 use crate::stiffen::{self, StiffenOptions, StiffenReport, stiffen};
+use crate::ties::{Tie, TieError, TiePath, must_differ};
 use crate::tmesh::trace;
 use crate::untangle::{UntangleOptions, UntangleReport, untangle};
 use quadloom_field::{CrossField, SizeField, Transport};
@@ -71,6 +72,9 @@ pub enum ParamError {
     /// The solution does not close up.
     #[error("the map does not close: {0}")]
     Placement(PlacementError),
+    /// Two singular vertices cannot be tied.
+    #[error(transparent)]
+    Tie(#[from] TieError),
     /// Seams on which every face would depend: the reduced system would take too long.
     #[error(
         "the map's reduced system would take about {entries} products: the surface has too many handles for its seams"
@@ -150,13 +154,29 @@ impl<'a> Parametrizer<'a> {
     /// # Errors     rows that exclude each other, named by what they say
     /// # Cost       near linear
     pub fn new(mesh: &'a TriMesh, features: &'a FeatureGraph, field: &'a CrossField) -> Result<Self, ParamError> {
+        Self::with_ties(mesh, features, field, &[])
+    }
+
+    /// As [`Parametrizer::new`], for maps in which an iso-line runs from one end of each tie to the other.
+    ///
+    /// # Errors     besides, ties that cannot be met
+    /// # Source     [Bommes2012] §8.6, base complex
+    pub fn with_ties(
+        mesh: &'a TriMesh,
+        features: &'a FeatureGraph,
+        field: &'a CrossField,
+        ties: &[Tie],
+    ) -> Result<Self, ParamError> {
         let start = Instant::now();
         let length = metric::edge_lengths(mesh);
         let transport = Transport::new(mesh, &length);
         let charts = Charts::new(mesh, &length, &transport, features, field);
-        let constraints = map_constraints(mesh, features, &charts);
+        let paths: Vec<TiePath> =
+            ties.iter().map(|&tie| TiePath::new(mesh, &charts, &transport, field, tie)).collect::<Result<_, _>>()?;
+        let constraints = map_constraints(mesh, features, &charts, &paths);
         let solver = Solver::new(variable_count(&charts), &constraints.rows, &constraints.integers)
             .map_err(ParamError::Solve)?;
+        must_differ(&paths, solver.elimination())?;
         let entries = reduced_entries(mesh, &charts, &solver);
         if entries > MOST_ENTRIES {
             return Err(ParamError::TooDense { entries });
@@ -226,7 +246,8 @@ impl<'a> Parametrizer<'a> {
         Ok(Parametrization { map: placed.to_lattice(self.mesh), inverted, report })
     }
 
-    fn solve(
+    /// Rung 1 alone.
+    pub(crate) fn solve(
         &mut self,
         gradient: &FaceMap<FaceGradient>,
         options: &ParamOptions,

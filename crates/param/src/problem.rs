@@ -5,6 +5,7 @@
 //! Source: [Bommes2012] §8.4, Eq. (8.4), with the anisotropic norm and local stiffening.
 
 use crate::charts::Charts;
+use crate::ties::TiePath;
 use quadloom_field::{CrossField, SizeField};
 use quadloom_mesh::{DVec2, EdgeMap, FaceId, FaceMap, FeatureGraph, TriConnectivity, VertexId, metric};
 use quadloom_numeric::{Constraints, Quadratic};
@@ -114,6 +115,22 @@ pub fn orientation_energy(
     energy
 }
 
+/// Σ_T area(T)·E_T of a map, with its constant and without weights ([Bommes2012] §8.4, Eq. (8.4)), in quads.
+pub fn orientation_energy_of(
+    mesh: &TriConnectivity,
+    gradient: &FaceMap<FaceGradient>,
+    options: &EnergyOptions,
+    uv: impl Fn(FaceId) -> [[f64; 2]; 3],
+) -> f64 {
+    let along = options.anisotropy.clamp(1e-3, 1.0);
+    let of_face = |f: FaceId| {
+        let j = jacobian(&gradient[f], uv(f));
+        let stretch = (j[0][0] - 1.0).powi(2) + (j[1][1] - 1.0).powi(2);
+        gradient[f].area * (along * stretch + j[0][1].powi(2) + j[1][0].powi(2))
+    };
+    mesh.faces().map(of_face).sum()
+}
+
 /// Number of variables: two per node and two per seam segment.
 pub fn variable_count(charts: &Charts) -> usize {
     2 * (charts.node_count + charts.segments.len())
@@ -140,7 +157,7 @@ pub enum RowOrigin {
     Feature(quadloom_mesh::EdgeId),
     /// The map is pinned at a vertex.
     Anchor(VertexId),
-    /// Two vertices are tied.
+    /// An iso-line runs from one singular vertex to another.
     Tie(VertexId, VertexId),
 }
 
@@ -154,8 +171,13 @@ pub struct MapConstraints {
     pub origin: Vec<RowOrigin>,
 }
 
-/// Seam compatibility, feature alignment, anchors and integers ([Bommes2012] §8.4).
-pub fn map_constraints(mesh: &TriConnectivity, features: &FeatureGraph, charts: &Charts) -> MapConstraints {
+/// Seam compatibility, feature alignment, anchors and integers ([Bommes2012] §8.4), ties of singular vertices (§8.6).
+pub fn map_constraints(
+    mesh: &TriConnectivity,
+    features: &FeatureGraph,
+    charts: &Charts,
+    ties: &[TiePath],
+) -> MapConstraints {
     let mut rows = Constraints::new();
     let mut origin = Vec::new();
     let mut is_integer = vec![false; variable_count(charts)];
@@ -221,6 +243,12 @@ pub fn map_constraints(mesh: &TriConnectivity, features: &FeatureGraph, charts: 
         let n = 2 * charts.node[mesh.outgoing_half_edge(anchor)] as usize;
         push(&[(n, 1.0)], 0.0, RowOrigin::Anchor(anchor));
         push(&[(n + 1, 1.0)], 0.0, RowOrigin::Anchor(anchor));
+    }
+    // 5. One coordinate is the same at both ends of a tie.
+    for tie in ties {
+        let terms: Vec<(usize, f64)> =
+            tie.constant_difference().iter().map(|&(i, c)| (i as usize, f64::from(c))).collect();
+        push(&terms, 0.0, RowOrigin::Tie(tie.ends[0], tie.ends[1]));
     }
     let integers = (0..is_integer.len()).filter(|&i| is_integer[i]).collect();
     MapConstraints { rows, integers, origin }

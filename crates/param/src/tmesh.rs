@@ -14,12 +14,11 @@
 
 use crate::charts::Charts;
 use crate::integer_grid_map::{GRID_UNIT, IntegerGridMap, LatticePoint, rotate, signed_area};
+pub use crate::place::Form;
+use crate::place::{Place, Seams, negated, sum};
 use quadloom_mesh::{FaceId, FaceMap, FeatureGraph, HalfEdgeId, HalfEdgeMap, Progress, TriConnectivity, VertexId};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-
-/// Σ coefficient · variable with small integer coefficients, ascending by variable.
-pub type Form = Vec<(u32, i32)>;
 
 /// A piece of a trace or feature between two nodes.
 #[derive(Clone, Debug)]
@@ -85,51 +84,6 @@ pub fn trace(
     Ok(tracer.finish())
 }
 
-/// A place in the plane as a linear form per coordinate.
-#[derive(Clone, Debug, Default)]
-struct Place([Form; 2]);
-
-impl Place {
-    fn node(n: u32) -> Self {
-        Self([vec![(2 * n, 1)], vec![(2 * n + 1, 1)]])
-    }
-
-    fn turned(&self, quarter_turns: u8) -> Self {
-        let [u, v] = &self.0;
-        Self(match quarter_turns % 4 {
-            0 => [u.clone(), v.clone()],
-            1 => [negated(v), u.clone()],
-            2 => [negated(u), negated(v)],
-            _ => [v.clone(), negated(u)],
-        })
-    }
-}
-
-fn negated(a: &Form) -> Form {
-    a.iter().map(|&(i, c)| (i, -c)).collect()
-}
-
-/// a + s·b.
-fn sum(a: &Form, s: i32, b: &Form) -> Form {
-    let (mut out, mut i, mut j) = (Vec::with_capacity(a.len() + b.len()), 0, 0);
-    while i < a.len() || j < b.len() {
-        let key = a.get(i).map_or(u32::MAX, |t| t.0).min(b.get(j).map_or(u32::MAX, |t| t.0));
-        let mut c = 0;
-        if i < a.len() && a[i].0 == key {
-            c += a[i].1;
-            i += 1;
-        }
-        if j < b.len() && b[j].0 == key {
-            c += s * b[j].1;
-            j += 1;
-        }
-        if c != 0 {
-            out.push((key, c));
-        }
-    }
-    out
-}
-
 /// Unit direction d: 0 = +u, 1 = +v, 2 = −u, 3 = −v.
 fn unit(d: u8) -> LatticePoint {
     rotate([1, 0], d)
@@ -181,7 +135,7 @@ struct Tracer<'a> {
     features: &'a FeatureGraph,
     charts: &'a Charts,
     map: &'a IntegerGridMap,
-    seam: HalfEdgeMap<Option<(u32, bool)>>,
+    seams: Seams<'a>,
     places: Vec<Place>,
     /// Terms in all places, to bound memory.
     terms: usize,
@@ -197,15 +151,6 @@ struct Tracer<'a> {
 
 impl<'a> Tracer<'a> {
     fn new(mesh: &'a TriConnectivity, features: &'a FeatureGraph, charts: &'a Charts, map: &'a IntegerGridMap) -> Self {
-        let mut seam = HalfEdgeMap::filled(mesh.half_edge_count(), None);
-        for (s, segment) in charts.segments.iter().enumerate() {
-            for &h in &segment.sides {
-                seam[h] = Some((s as u32, true));
-                if let Some(t) = mesh.twin(h) {
-                    seam[t] = Some((s as u32, false));
-                }
-            }
-        }
         let mut pinned = Vec::new();
         let node_of = quadloom_mesh::VertexMap::from_fn(mesh.vertex_count(), |v| {
             if charts.is_integer[v] {
@@ -220,7 +165,7 @@ impl<'a> Tracer<'a> {
             features,
             charts,
             map,
-            seam,
+            seams: Seams::new(mesh, charts),
             places: Vec::new(),
             terms: 0,
             lines: Vec::new(),
@@ -235,18 +180,8 @@ impl<'a> Tracer<'a> {
 
     /// The place in the chart across half-edge `h`.
     fn cross(&mut self, h: HalfEdgeId, place: u32) -> u32 {
-        let Some((s, forward)) = self.seam[h] else { return place };
-        let turns = self.charts.segments[s as usize].quarter_turns;
-        let t = 2 * (self.charts.node_count as u32 + s);
-        let p = &self.places[place as usize];
-        let moved = if forward {
-            let r = p.turned(turns);
-            Place([sum(&r.0[0], 1, &vec![(t, 1)]), sum(&r.0[1], 1, &vec![(t + 1, 1)])])
-        } else {
-            let q = Place([sum(&p.0[0], -1, &vec![(t, 1)]), sum(&p.0[1], -1, &vec![(t + 1, 1)])]);
-            q.turned((4 - turns) % 4)
-        };
-        self.terms += moved.0[0].len() + moved.0[1].len();
+        let Some(moved) = self.seams.crossed(h, &self.places[place as usize]) else { return place };
+        self.terms += moved.terms();
         self.places.push(moved);
         self.places.len() as u32 - 1
     }
@@ -589,4 +524,40 @@ impl<'a> Tracer<'a> {
 /// Value of a form.
 pub fn evaluate(form: &Form, x: &[f64]) -> f64 {
     form.iter().map(|&(i, c)| f64::from(c) * x[i as usize]).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ParamOptions, Parametrizer};
+    use quadloom_field::{FieldConstraints, FieldOptions, SizeField, Transport, solve_cross_field};
+    use quadloom_mesh::features::FeatureOptions;
+    use quadloom_mesh::{metric, shapes};
+
+    /// A tube has two closed features and no integer vertex: only feelers say how far they are from each other.
+    #[test]
+    fn closed_features_feel_what_is_opposite() {
+        let (height, edge) = (3.0, 0.25);
+        let mesh = shapes::cylinder(1.0, height, 32, 16);
+        let (features, _) = FeatureGraph::detect(&mesh, &FeatureOptions::default());
+        let length = metric::edge_lengths(&mesh);
+        let transport = Transport::new(&mesh, &length);
+        let (constraints, _) = FieldConstraints::from_features(&mesh, &transport, &length, &features);
+        let progress = Progress::none();
+        let (field, _) =
+            solve_cross_field(&mesh, &transport, &length, &constraints, &FieldOptions::default(), &progress).unwrap();
+        let mut parametrizer = Parametrizer::new(&mesh, &features, &field).unwrap();
+        let size = SizeField::uniform(mesh.face_count(), edge);
+        let map = parametrizer.map(&size, &ParamOptions::default(), &progress).unwrap();
+        assert_eq!(map.inverted, []);
+        let tmesh = trace(&mesh, &features, parametrizer.charts(), &map.map, &progress).unwrap();
+        assert_eq!(tmesh.vertex_nodes(), 0, "no integer vertex, so no trace");
+        let feelers: Vec<&Arc> = tmesh.arcs.iter().filter(|arc| !arc.on_feature).collect();
+        assert_eq!(feelers.len(), 2, "one from each rim");
+        for feeler in feelers {
+            assert!(tmesh.pinned[feeler.from as usize] && tmesh.pinned[feeler.to as usize]);
+            assert!((feeler.length - height / edge).abs() <= 0.5, "{}", feeler.length);
+            assert!(!feeler.form.is_empty(), "its length is a matter of the map's variables");
+        }
+    }
 }

@@ -6,9 +6,11 @@
 use quadloom::extract::{FinishOptions, Reference, finish};
 use quadloom::features::{FeatureRequest, find_features};
 use quadloom::sizes::{SizeRequest, relative_sizes};
-use quadloom::stages::{count_goal, cross_field, extract_quads, integer_grid_map, work_edge_length, work_mesh};
+use quadloom::stages::{
+    MapRequest, count_goal, cross_field, extract_quads, integer_grid_map, work_edge_length, work_mesh,
+};
 use quadloom::verify::verify;
-use quadloom::{Method, Progress, RemeshOptions, sample};
+use quadloom::{Progress, RemeshOptions, sample};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (options, progress) = (RemeshOptions::default(), Progress::none());
@@ -32,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Cross field to integer-grid map, of a size that gives the count.
     let size = relative_sizes(&work, &field, &surface, edge, &SizeRequest::default(), &progress)?;
     let goal = count_goal(quads, &options);
-    let map = integer_grid_map(&work, &field, &size, goal, edge, Method::Greedy, &progress)?;
+    let map = integer_grid_map(&work, &field, &size, goal, edge, MapRequest::default(), &progress)?;
     println!("{:.0} quads in the map after {} solves", map.quads, map.solves);
 
     // Map to quads, and back onto the surface.

@@ -96,7 +96,7 @@ fn map_rows(work: &WorkMesh) -> Result<Vec<Value>, Box<dyn Error>> {
     let length: EdgeMap<f64> = metric::edge_lengths(mesh);
     let transport = Transport::new(mesh, &length);
     let charts = Charts::new(mesh, &length, &transport, &work.binding, &field);
-    let constraints = map_constraints(mesh, &work.binding, &charts);
+    let constraints = map_constraints(mesh, &work.binding, &charts, &[]);
     let size = SizeField::uniform(mesh.face_count(), edge);
     let gradient = face_gradients(mesh, &length, &field, &size, &charts);
     let weight = FaceMap::filled(mesh.face_count(), 1.0);

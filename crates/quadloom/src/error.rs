@@ -102,6 +102,8 @@ pub enum WarningCode {
     CountMissed,
     /// Feature edges asked for are not kept.
     FeatureMissed,
+    /// Irregular vertices that were to be tied have no chain of quad edges between them.
+    TieMissed,
     /// The surface is rough at the size of its quads; directions and map were made on a smoothed copy.
     NoiseSmoothed,
     /// A first attempt failed and another one was made.
@@ -142,7 +144,7 @@ impl Warning {
 
     /// Whether something that the user asked for was not reached, although the result is valid.
     pub fn misses_request(&self) -> bool {
-        use WarningCode::{CountMissed, FacingUnclear, FeatureMissed, TrianglesSplit};
-        matches!(self.code, CountMissed | FacingUnclear | FeatureMissed | TrianglesSplit)
+        use WarningCode::{CountMissed, FacingUnclear, FeatureMissed, TieMissed, TrianglesSplit};
+        matches!(self.code, CountMissed | FacingUnclear | FeatureMissed | TieMissed | TrianglesSplit)
     }
 }

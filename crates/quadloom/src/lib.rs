@@ -37,6 +37,7 @@ pub mod scene;
 pub mod sizes;
 pub mod split;
 pub mod stages;
+pub mod ties;
 pub mod verify;
 pub mod view;
 

@@ -8,6 +8,7 @@ use crate::report::{FeatureReport, FieldSummary, MapSummary, SurfaceReport};
 use quadloom_extract::{Deviation, Distances};
 use quadloom_field::Transport;
 use quadloom_mesh::{FaceShape, Mesh, Summary, TriMesh};
+use quadloom_param::RelocationReport;
 
 /// Counts and size of a mesh.
 pub fn surface_report<S: FaceShape>(mesh: &Mesh<S>) -> SurfaceReport {
@@ -114,4 +115,16 @@ pub fn map_summary(parts: &[Part]) -> MapSummary {
         }
     }
     summary
+}
+
+/// Relocation over all parts that had one.
+pub fn relocation_summary(parts: &[Part]) -> Option<RelocationReport> {
+    let mut all = parts.iter().filter_map(|p| p.solution.as_ref()?.relocation.as_ref());
+    let first = all.next()?.clone();
+    Some(all.fold(first, |sum, part| RelocationReport {
+        tried: sum.tried + part.tried,
+        kept: sum.kept + part.kept,
+        energy: [0, 1].map(|k| sum.energy[k] + part.energy[k]),
+        inverted: [0, 1].map(|k| sum.inverted[k] + part.inverted[k]),
+    }))
 }

@@ -96,6 +96,11 @@ pub struct RemeshOptions {
     pub field: Option<GivenField>,
     /// Prescribed singular vertices: numbers of the input file with their index in quarters; valence 3 is +1.
     pub singularities: Vec<(u32, i32)>,
+    /// Pairs of vertices of the input file: a chain of quad edges is to join the irregular vertices nearest to them.
+    pub ties: Vec<[u32; 2]>,
+    /// Whether singular vertices are moved where that lowers the map's energy ([Bommes2012] §8.4, singularity
+    /// relocation). Default false: it costs up to 150 solves of field and map for a few per cent of energy.
+    pub relocate: bool,
     /// Curves to follow, as points near the surface.
     pub guides: Vec<Vec<DVec3>>,
     /// How integers are found.
@@ -123,6 +128,8 @@ impl Default for RemeshOptions {
             density: None,
             field: None,
             singularities: Vec::new(),
+            ties: Vec::new(),
+            relocate: false,
             guides: Vec::new(),
             method: Method::Greedy,
             fallback: Fallback::Split,

@@ -11,13 +11,15 @@ use crate::report::Seconds;
 use crate::sizes::{SizeRequest, relative_sizes};
 use crate::split::split_surface;
 use crate::stages::{
-    SizedMap, WorkMesh, count_goal, cross_field, extract_quads, integer_grid_map, no_result, with_room,
-    work_edge_length, work_mesh, work_mesh_with_field,
+    MapRequest, SizedMap, WorkMesh, count_goal, cross_field, extract_quads, integer_grid_map, no_result, relocated,
+    with_room, work_edge_length, work_mesh, work_mesh_with_field,
 };
+use crate::ties::{TieReport, TieRequest, joined_ties, ties_on};
 use crate::verify::verify;
 use quadloom_extract::{Distances, Extraction, FinishError, FinishOptions, Reference, finish};
 use quadloom_field::{CrossField, Transport};
 use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, QuadMesh, TriMesh, VertexId};
+use quadloom_param::{RelocationReport, Tie};
 
 /// What is asked of one connected surface.
 #[derive(Clone, Debug)]
@@ -34,6 +36,8 @@ pub struct PartRequest<'a> {
     pub sizes: SizeRequest,
     /// Singular vertices to use, with their index in quarters.
     pub singularities: Vec<(VertexId, i32)>,
+    /// Singular vertices that chains of quad edges are to join.
+    pub ties: Vec<TieRequest>,
     /// Most attempts before triangles are split.
     pub attempts: usize,
 }
@@ -76,6 +80,10 @@ pub struct Solution {
     pub map: SizedMap,
     /// The quads before finishing.
     pub extraction: Extraction,
+    /// What became of the ties.
+    pub ties: Vec<TieReport>,
+    /// Relocation of singular vertices, if it was asked for and there was no given field.
+    pub relocation: Option<RelocationReport>,
 }
 
 /// Sizes of one attempt, relative to the first one.
@@ -226,7 +234,17 @@ impl<'a> Run<'a> {
             Some(direction) => self.given_field(&features.graph, direction)?,
             None => self.own_field(&features.graph, edge, rung.work_edge)?,
         };
-        let map = self.map(&work, &field, quads, edge)?;
+        let (field, relocation) = self.relocated(&work, field, edge)?;
+        let (work, field, energy) = match relocation {
+            Some(_) => {
+                let energy = field.energy(&work.mesh, &Transport::of(&work.mesh));
+                let (work, field) = with_room(work, field, self.options)?;
+                (work, field, energy)
+            }
+            None => (work, field, energy),
+        };
+        let ties = ties_on(&work, &field, self.request);
+        let map = self.map(&work, &field, quads, edge, &ties)?;
         let inverted = map.parametrization.inverted.len();
         // The quads around the folds may still close up; if they do not, other sizes are not worth their time.
         self.hopeless[usize::from(rung.sharp)] = inverted as f64 > HOPELESS_SHARE * work.mesh.face_count() as f64;
@@ -235,7 +253,8 @@ impl<'a> Run<'a> {
         let extraction = self.seconds.time("extraction", || extract_quads(&work, integer_grid, self.progress))?;
         let reference = self.seconds.time("reference", || Reference::new(self.request.mesh, &features.graph));
         let quads = self.seconds.time("finish", || finish_quads(&extraction, &reference, self.progress))?;
-        let solution = Solution { work, field, energy, map, extraction };
+        let ties = joined_ties(&work, &extraction, self.request, &ties);
+        let solution = Solution { work, field, energy, map, extraction, ties, relocation };
         let distances = self.checked(&quads, &reference)?;
         self.warnings.extend(fold_warning(&solution));
         Ok((quads, solution, distances))
@@ -279,17 +298,57 @@ impl<'a> Run<'a> {
         Ok((work, field, report.energy))
     }
 
-    /// A map of about so many quads.
-    fn map(&mut self, work: &WorkMesh, field: &CrossField, quads: f64, edge: f64) -> Result<SizedMap, RemeshError> {
+    /// The field with singular vertices where the map would rather have them, if that was asked for; a field that was
+    /// given stays as it is.
+    fn relocated(
+        &mut self,
+        work: &WorkMesh,
+        field: CrossField,
+        edge: f64,
+    ) -> Result<(CrossField, Option<RelocationReport>), RemeshError> {
+        let Self { request, options, progress, .. } = *self;
+        if !options.relocate || request.field.is_some() {
+            return Ok((field, None));
+        }
+        progress.report("relocation", 0.0);
+        let relocate = || {
+            let size = relative_sizes(work, &field, request.mesh, edge, &request.sizes, progress)?.scaled(edge);
+            relocated(work, &field, &on_work_mesh(request, work), &size, progress)
+        };
+        let (field, report) = self.seconds.time("relocation", relocate)?;
+        Ok((field, Some(report)))
+    }
+
+    /// A map of about so many quads; without the ties, where it folds with them and does not without.
+    fn map(
+        &mut self,
+        work: &WorkMesh,
+        field: &CrossField,
+        quads: f64,
+        edge: f64,
+        ties: &[Option<Tie>],
+    ) -> Result<SizedMap, RemeshError> {
         let Self { request, options, progress, .. } = *self;
         let sizes = || relative_sizes(work, field, request.mesh, edge, &request.sizes, progress);
         let size = self.seconds.time("sizing", sizes)?;
         progress.report("integer-grid map", 0.0);
         let goal = count_goal(quads, options);
-        let solve = || integer_grid_map(work, field, &size, goal, edge, options.method, progress);
-        let map = self.seconds.time("integer-grid map", solve)?;
-        self.solves += map.solves;
-        Ok(map)
+        let ties: Vec<Tie> = ties.iter().flatten().copied().collect();
+        let mut solve = |ties: &[Tie]| {
+            let wanted = MapRequest { method: options.method, ties };
+            let solve = || integer_grid_map(work, field, &size, goal, edge, wanted, progress);
+            let map = self.seconds.time("integer-grid map", solve)?;
+            self.solves += map.solves;
+            Ok(map)
+        };
+        let map = solve(&ties);
+        let folds =
+            |map: &Result<SizedMap, RemeshError>| map.as_ref().map_or(usize::MAX, |m| m.parametrization.inverted.len());
+        if ties.is_empty() || folds(&map) == 0 || matches!(map, Err(RemeshError::Cancelled(_))) {
+            return map;
+        }
+        let free = solve(&[]);
+        if folds(&free) < folds(&map) { free } else { map }
     }
 
     /// Distances of quads that pass verification.

@@ -8,13 +8,16 @@
 use crate::components::{join, shares};
 use crate::error::{RemeshError, Warning, WarningCode};
 use crate::features::FeatureRequest;
-use crate::measure::{chains_kept, distances, feature_report, field_summary, map_summary, surface_report};
+use crate::measure::{
+    chains_kept, distances, feature_report, field_summary, map_summary, relocation_summary, surface_report,
+};
 use crate::memory;
 use crate::options::{AUTO_QUADS_MAX, AUTO_QUADS_MIN, Elements, Fallback, RemeshOptions, Target};
 use crate::part::{Part, PartRequest, attempts_of_piece, remesh_part};
 use crate::report::{ComponentReport, CountReport, REPORT_VERSION, Report, Seconds};
 use crate::sizes::SizeRequest;
 use crate::stages::no_result;
+use crate::ties::{TieRequest, tie_reports, tie_warnings};
 use quadloom_extract::{IrregularVertices, QuadQuality};
 use quadloom_mesh::repair::{Component, FindingKind, RepairOptions, Repaired, repair, split_components};
 use quadloom_mesh::{DVec3, FaceMap, FaceSoup, Progress, QuadMesh, TriMesh, VertexId, VertexMap, metric};
@@ -120,6 +123,12 @@ fn remesh_repaired(
         warnings.push(count_warning(&count));
     }
     warnings.extend(feature_warnings(&parts, !options.features.is_empty() || !options.guides.is_empty()));
+    let ties = tie_reports(&requests, &parts);
+    warnings.extend(tie_warnings(&ties));
+    if options.relocate && options.field.is_some() {
+        let message = "singular vertices of a given field stay where they are; --relocate was ignored";
+        warnings.push(Warning::new(WarningCode::Ignored, message));
+    }
     let (quality, irregular) =
         seconds.time("report", || (QuadQuality::of(&quads).summary(), IrregularVertices::of(&quads)));
     let report = Report {
@@ -133,6 +142,8 @@ fn remesh_repaired(
         features: feature_report(&parts),
         field: field_summary(&parts, options.field.is_some()),
         map: map_summary(&parts),
+        ties,
+        relocation: relocation_summary(&parts),
         quality,
         facing_against: 0,
         distance: distances(&parts, mesh),
@@ -177,6 +188,7 @@ fn requests<'a>(
                 density: None,
             },
             singularities: Vec::new(),
+            ties: Vec::new(),
             attempts: match options.fallback {
                 Fallback::Split if components.len() > 1 => attempts_of_piece(quads),
                 _ => usize::MAX,
@@ -203,13 +215,26 @@ fn requests<'a>(
         })?;
         requests[i].singularities.push((v, index));
     }
-    // 3. Curves go to the component that their first point is nearest to.
+    // 3. Ties.
+    for &asked in &options.ties {
+        let [a, b] = asked.map(find);
+        match (a, b) {
+            (Some((i, a)), Some((j, b))) if i == j => {
+                requests[i].ties.push(TieRequest { asked, vertices: [a, b] });
+            }
+            _ => {
+                let why = format!("vertices {} and {} are not both on one component of it", asked[0], asked[1]);
+                return Err(RemeshError::Mismatch { what: "--tie", why });
+            }
+        }
+    }
+    // 4. Curves go to the component that their first point is nearest to.
     for guide in &options.guides {
         if let Some(i) = nearest_component(&repaired.mesh, &place, guide) {
             requests[i].features.guides.push(guide.clone());
         }
     }
-    // 4. Density.
+    // 5. Density.
     if let Some(name) = &options.density {
         let value = density(soup, name)?;
         let mut whole = VertexMap::filled(repaired.mesh.vertex_count(), 0.0);
@@ -222,7 +247,7 @@ fn requests<'a>(
             request.sizes.density = Some(component.vertex_of.map(|&v| whole[v]));
         }
     }
-    // 5. The given field.
+    // 6. The given field.
     if let Some(field) = &options.field {
         if field.directions.len() != soup.faces.len() {
             let why = format!("it has {} vectors, the input {} faces", field.directions.len(), soup.faces.len());

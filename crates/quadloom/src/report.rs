@@ -5,8 +5,10 @@
 //! `null`, never invented. Units: file units, seconds, degrees, bytes; percent where the name says so.
 
 use crate::error::Warning;
+use crate::ties::TieReport;
 use quadloom_extract::{Distances, IrregularVertices, QualitySummary};
 use quadloom_mesh::Summary;
+use quadloom_param::RelocationReport;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -39,6 +41,10 @@ pub struct Report {
     pub field: FieldSummary,
     /// The integer-grid map, over all components.
     pub map: MapSummary,
+    /// The ties that were asked for, component by component.
+    pub ties: Vec<TieReport>,
+    /// Relocation of singular vertices, over all components; `None` if it was not asked for.
+    pub relocation: Option<RelocationReport>,
     /// Shapes of the quads.
     pub quality: QualitySummary,
     /// Distances between result and input, percent of the input's diagonal; `None` if they were not asked for.

@@ -14,7 +14,8 @@ use quadloom_mesh::refine::separate_features;
 use quadloom_mesh::remesh::{self, TargetLength, isotropic};
 use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, TriMesh, VertexId, metric};
 use quadloom_param::{
-    GRID_UNIT, IntegerGridMap, ParamOptions, Parametrization, Parametrizer, make_room, solve_open_field,
+    GRID_UNIT, IntegerGridMap, ParamOptions, Parametrization, Parametrizer, RelocationError, RelocationOptions,
+    RelocationReport, Tie, make_room, relocate, solve_open_field,
 };
 
 /// Edge length of the work mesh, relative to that of the quads.
@@ -142,6 +143,38 @@ pub fn with_room(
     })
 }
 
+/// Moves singular vertices of a field that was solved on the work mesh, where that lowers the map's energy.
+///
+/// # Input      as [`cross_field`]; size: in file units
+/// # Errors     a field without a map, cancellation
+pub fn relocated(
+    work: &WorkMesh,
+    field: &CrossField,
+    singularities: &[(VertexId, i32)],
+    size: &SizeField,
+    progress: &Progress,
+) -> Result<(CrossField, RelocationReport), RemeshError> {
+    let mesh = &work.mesh;
+    let length = metric::edge_lengths(mesh);
+    let transport = Transport::new(mesh, &length);
+    let (mut constraints, _) = FieldConstraints::from_features(mesh, &transport, &length, &work.binding);
+    constraints.indices = singularities.to_vec();
+    let options = RelocationOptions::default();
+    relocate(mesh, &work.binding, &constraints, field, size, &options, progress).map_err(|e| match e {
+        RelocationError::Map(e) => param_error(e),
+        RelocationError::Field(e) => no_result("relocation", e),
+    })
+}
+
+/// What maps are asked for besides sizes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MapRequest<'a> {
+    /// How integers are found.
+    pub method: Method,
+    /// Singular vertices of the field that chains of quad edges are to join.
+    pub ties: &'a [Tie],
+}
+
 /// Solves for integer-grid maps until one has the wanted number of quads.
 ///
 /// # Input      size: relative to the mean edge length; edge_length: the first mean edge length, file units
@@ -153,11 +186,12 @@ pub fn integer_grid_map(
     size: &SizeField,
     goal: CountGoal,
     edge_length: f64,
-    method: Method,
+    request: MapRequest,
     progress: &Progress,
 ) -> Result<SizedMap, RemeshError> {
-    let mut parametrizer = Parametrizer::new(&work.mesh, &work.binding, field).map_err(param_error)?;
-    let method = match method {
+    let mut parametrizer =
+        Parametrizer::with_ties(&work.mesh, &work.binding, field, request.ties).map_err(param_error)?;
+    let method = match request.method {
         Method::Direct => quadloom_param::Method::Direct,
         Method::Greedy => quadloom_param::Method::Greedy,
     };

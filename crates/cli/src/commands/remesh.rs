@@ -85,6 +85,8 @@ fn options(args: &RemeshArgs, soup: &FaceSoup) -> Result<RemeshOptions, RemeshEr
         density: args.density.clone(),
         field: field.map(|directions| GivenField { directions }),
         singularities,
+        ties: args.tie.clone(),
+        relocate: args.relocate,
         guides,
         method: match args.method {
             MethodArg::Direct => Method::Direct,
