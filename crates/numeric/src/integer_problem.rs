@@ -214,9 +214,8 @@ impl IntegerProblem<'_> {
 
     /// The free integers' values in a solution.
     pub fn values_in(&self, x: &[f64]) -> Vec<f64> {
-        let free = self.solver.elimination().free();
-        let variable = |i: u32| free[self.substitution.active[i as usize] as usize];
-        self.integers.iter().map(|&i| x[variable(i) as usize]).collect()
+        let free = self.solver.elimination().restrict(x);
+        self.integers.iter().map(|&i| free[self.substitution.active[i as usize] as usize]).collect()
     }
 }
 

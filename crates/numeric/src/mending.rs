@@ -8,16 +8,27 @@
 
 use crate::bounded::LowerBound;
 use crate::integer_problem::Precision;
+use std::collections::BTreeSet;
 
-/// Jumps and weight changes, per integer, after which mending stops.
+/// Jumps and weight changes, per integer, after which mending gives up.
 const STEPS_PER_INTEGER: usize = 30;
 
 /// Of these there are at least so many.
 const LEAST_STEPS: usize = 2000;
 
+/// Coefficients that are looked at before mending gives up: about half a second.
+///
+/// Most conditions are mended within a hundredth of that.
+const MOST_WORK: usize = 200_000_000;
+
 /// What a jump's energy counts against missed rows at first: an integer that moves by one from its optimum, at the
 /// median of the integers' stiffness, counts as much as a row that is missed by this.
 const ENERGY_WEIGHT: f64 = 1.0;
+
+/// Missed rows among which the best jump is looked for, in turn.
+///
+/// More: better jumps, each of which costs the more.
+const WINDOW: usize = 8;
 
 /// Jumps per integer that only lower the energy, once no row is missed.
 const POLISHING_PER_INTEGER: usize = 10;
@@ -31,6 +42,10 @@ struct Jumps<'a> {
     z: Vec<f64>,
     /// Per row how much is missing; negative where there is some to spare.
     shortfall: Vec<f64>,
+    /// Rows that are missed.
+    missed: BTreeSet<u32>,
+    /// Per row the coefficients that are looked at for the jumps that help it.
+    looks: Vec<usize>,
     /// Per row what it counts.
     weight: Vec<f64>,
     /// S·(z − z*).
@@ -48,26 +63,28 @@ const SLACK: f64 = 1e-4;
 /// # Cost       a few thousand operations per jump, and k for k integers
 pub(crate) fn mend(precision: &Precision, relaxed: &[f64], rows: &[LowerBound], start: &[f64]) -> Vec<f64> {
     let mut jumps = Jumps::new(precision, relaxed, rows, start);
-    let mut best = (jumps.total_missing(), start.to_vec());
+    let mut best = (jumps.missing(), start.to_vec());
     // 1. Jumps that lower the weighted sum of what is missing and of the energy; where there are none, missed rows
     //    come to count more.
-    for _ in 0..LEAST_STEPS.max(STEPS_PER_INTEGER * start.len()) {
-        let missed: Vec<usize> = (0..rows.len()).filter(|&r| jumps.shortfall[r] > SLACK).collect();
-        if missed.is_empty() {
-            break;
-        }
-        match jumps.best_for(&missed) {
+    let mut after = 0;
+    let (mut steps, mut work) = (LEAST_STEPS.max(STEPS_PER_INTEGER * start.len()), 0);
+    while steps > 0 && work < MOST_WORK {
+        steps -= 1;
+        let window = jumps.missed_after(after);
+        let Some(&last) = window.last() else { break };
+        after = last + 1;
+        work += window.iter().map(|&r| jumps.looks[r as usize]).sum::<usize>() + start.len();
+        match jumps.best_for(&window) {
             Some((i, by)) => {
                 jumps.jump(i, by);
-                let missing = jumps.total_missing();
-                if missing < best.0 - 0.5 {
-                    best = (missing, jumps.z.clone());
+                if jumps.missing() < best.0 - 0.5 {
+                    best = (jumps.missing(), jumps.z.clone());
                 }
             }
-            None => missed.iter().for_each(|&r| jumps.weight[r] += 1.0),
+            None => window.iter().for_each(|&r| jumps.weight[r as usize] += 1.0),
         }
     }
-    if jumps.total_missing() > SLACK {
+    if !jumps.missed.is_empty() {
         return best.1;
     }
     // 2. Jumps that lower the energy and leave all rows met.
@@ -86,28 +103,41 @@ impl<'a> Jumps<'a> {
         let mut stiffness: Vec<f64> = (0..k).map(|i| precision.row(i)[i]).collect();
         stiffness.sort_by(f64::total_cmp);
         let median = stiffness.get(k / 2).copied().unwrap_or(1.0);
+        let shortfall: Vec<f64> = rows.iter().map(|r| r.shortfall(start)).collect();
+        let missed = (0u32..).zip(&shortfall).filter(|s| *s.1 > SLACK).map(|s| s.0).collect();
+        let looks = |row: &LowerBound| 2 * row.terms.iter().map(|t| rows_of[t.0 as usize].len()).sum::<usize>();
+        let looks = rows.iter().map(looks).collect();
         Self {
             precision,
             rows,
             rows_of,
             z: start.to_vec(),
-            shortfall: rows.iter().map(|r| r.shortfall(start)).collect(),
+            shortfall,
+            missed,
+            looks,
             weight: vec![1.0; rows.len()],
             slope: precision.times(&away),
             energy_weight: ENERGY_WEIGHT / median.max(f64::MIN_POSITIVE),
         }
     }
 
-    fn total_missing(&self) -> f64 {
-        self.shortfall.iter().filter(|s| **s > SLACK).sum()
+    /// What is missing in all.
+    fn missing(&self) -> f64 {
+        self.missed.iter().map(|&r| self.shortfall[r as usize]).sum()
+    }
+
+    /// The next missed rows in a round of all of them.
+    fn missed_after(&self, first: u32) -> Vec<u32> {
+        let round = self.missed.range(first..).chain(self.missed.range(..first));
+        round.copied().take(WINDOW).collect()
     }
 
     /// The jump that lowers the weighted sum most, among those that help a missed row.
-    fn best_for(&self, missed: &[usize]) -> Option<(usize, f64)> {
+    fn best_for(&self, missed: &[u32]) -> Option<(usize, f64)> {
         let mut best: Option<(f64, usize, f64)> = None;
         for &r in missed {
-            for &(i, c) in &self.rows[r].terms {
-                let whole = (self.shortfall[r] / c.abs()).ceil().max(1.0) * c.signum();
+            for &(i, c) in &self.rows[r as usize].terms {
+                let whole = (self.shortfall[r as usize] / c.abs()).ceil().max(1.0) * c.signum();
                 let unit = c.signum();
                 for by in
                     if whole == unit { [Some(unit), None] } else { [Some(unit), Some(whole)] }.into_iter().flatten()
@@ -137,7 +167,14 @@ impl<'a> Jumps<'a> {
 
     fn jump(&mut self, i: usize, by: f64) {
         self.z[i] += by;
-        self.rows_of[i].iter().for_each(|&(r, c)| self.shortfall[r as usize] -= c * by);
+        for &(r, c) in &self.rows_of[i] {
+            self.shortfall[r as usize] -= c * by;
+            if self.shortfall[r as usize] > SLACK {
+                self.missed.insert(r);
+            } else {
+                self.missed.remove(&r);
+            }
+        }
         self.slope.iter_mut().zip(self.precision.row(i)).for_each(|(slope, s)| *slope += by * s);
     }
 

@@ -19,6 +19,8 @@ pub(crate) struct Follower<'a> {
     pub untangle: &'a UntangleOptions,
     /// Newton steps after which no further attempt is begun.
     pub most_steps: u32,
+    /// Attempts in all; with one only, it goes straight to the integers.
+    pub most_attempts: u32,
     pub progress: &'a Progress,
 }
 
@@ -37,7 +39,11 @@ pub(crate) struct Followed {
 /// Shortest step towards the integers.
 const SHORTEST_STEP: f64 = 1.0 / 64.0;
 
-const FULL: f64 = 0.2;
+/// In longer steps than this, folds that need more than a few rings are not untangled: shorter ones have fewer of them.
+const LARGEST_CAREFUL_STEP: f64 = 0.2;
+
+/// Steps that succeed one after the other before the next one is longer.
+const STREAK: u32 = 2;
 
 impl Follower<'_> {
     /// Goes straight to the integers, then, if folds are left, in steps.
@@ -53,36 +59,39 @@ impl Follower<'_> {
         between: impl Fn(f64) -> Result<PlacedMap, PlacementError>,
     ) -> Followed {
         let mut solver = PlacedSolver::new(self.mesh, &target);
-        // 1. Straight.
-        let mut best = self.attempt(&mut solver, &target, model, &self.untangle.quick());
-        // 2. In steps, half as long where one fails.
-        let (mut at, mut step, mut streak) = (0.0, 0.5, 0);
-        let mut steps = best.untangled.steps;
-        let mut last = model.clone();
         let quick = self.untangle.quick();
-        while best.left > 0 && step >= SHORTEST_STEP && steps <= self.most_steps && !self.progress.cancelled() {
+        // 1. Straight.
+        let first = if self.most_attempts > 1 { &quick } else { self.untangle };
+        let mut best = self.attempt(&mut solver, &target, model, first);
+        // 2. In steps, half as long where one fails.
+        let (mut at, mut step, mut streak, mut spent) = (0.0, 0.5, 0, best.untangled.steps);
+        let mut last = model.clone();
+        while best.left > 0 && step >= SHORTEST_STEP && self.goes_on(best.attempts, spent) {
             let next = f64::min(at + step, 1.0);
-            let there = if next < 1.0 { between(next) } else { Ok(target.clone()) };
-            let Ok(there) = there else { break };
-            let mut followed =
-                self.attempt(&mut solver, &there, &last, if step > FULL { &quick } else { self.untangle });
-            steps += followed.untangled.steps;
-            best.attempts += 1;
-            followed.attempts = best.attempts;
-            if next >= 1.0 && followed.left < best.left {
-                best = followed;
-                (step, streak) = (0.5 * step, 0);
-            } else if next < 1.0 && followed.left == 0 {
+            let Ok(there) = (if next < 1.0 { between(next) } else { Ok(target.clone()) }) else { break };
+            let options = if step > LARGEST_CAREFUL_STEP { &quick } else { self.untangle };
+            let followed = self.attempt(&mut solver, &there, &last, options);
+            spent += followed.untangled.steps;
+            let attempts = best.attempts + 1;
+            if next < 1.0 && followed.left == 0 {
                 (at, last) = (next, followed.map);
                 streak += 1;
-                if streak == 2 {
-                    (step, streak) = (2.0 * step, 0);
-                }
             } else {
                 (step, streak) = (0.5 * step, 0);
+                if next >= 1.0 && followed.left < best.left {
+                    best = followed;
+                }
             }
+            if streak == STREAK {
+                (step, streak) = (2.0 * step, 0);
+            }
+            best.attempts = attempts;
         }
         best
+    }
+
+    fn goes_on(&self, attempts: u32, steps: u32) -> bool {
+        attempts < self.most_attempts && steps <= self.most_steps && !self.progress.cancelled()
     }
 
     /// Gives the target Jacobians near those of the model, which keeps it nearly fold-free at its own integers, and

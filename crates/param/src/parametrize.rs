@@ -36,6 +36,8 @@ pub struct ParamOptions {
     pub untangle: UntangleOptions,
     /// Re-rounding under separation conditions.
     pub separation: SeparationOptions,
+    /// Most attempts at points for separated integers. Default 40: most maps need one, and few more than ten.
+    pub followings: u32,
     /// Stiffened re-solves of the seamless map that separation starts from. Default 8: most need one or two.
     pub seamless_rounds: u32,
 }
@@ -48,6 +50,7 @@ impl Default for ParamOptions {
             stiffen: StiffenOptions::default(),
             untangle: UntangleOptions::default(),
             separation: SeparationOptions::default(),
+            followings: 40,
             seamless_rounds: 8,
         }
     }
@@ -372,14 +375,14 @@ impl<'a> Parametrizer<'a> {
         let solve_options = SolveOptions { cancelled: Some(&cancelled), ..SolveOptions::default() };
         let failed = |e| solve_error(e, progress);
         let problem = self.solver.integer_problem(&energy, &solve_options).map_err(failed)?;
-        let (found, separation) = separate(&tmesh, &options.separation, &problem, &solve_options).map_err(failed)?;
-        report.separation = Some(separation);
+        let (z, separation) = separate(&tmesh, &options.separation, &problem, &solve_options).map_err(failed)?;
         progress.check()?;
-        let Some(z) = found else { return Ok(None) };
         let x = problem.complete(&z).map_err(failed)?;
         let target = PlacedMap::new(self.mesh, &self.charts, &x, GRID_UNIT).map_err(ParamError::Placement)?;
         // 4. Points at these integers.
-        let follower = Follower { mesh: self.mesh, gradient, untangle: &options.untangle, most_steps, progress };
+        let most_attempts = if separation.violated == 0 { options.followings } else { 1 };
+        let untangle = &options.untangle;
+        let follower = Follower { mesh: self.mesh, gradient, untangle, most_steps, most_attempts, progress };
         let first = problem.values_in(&seamless.x);
         let scale = (GRID_UNIT / SEAMLESS_UNIT) as f64;
         let between = |part: f64| {
@@ -389,10 +392,8 @@ impl<'a> Parametrizer<'a> {
         };
         let followed = follower.follow(&seamless.map, target, between);
         report.untangle = followed.untangled;
-        if let Some(separation) = &mut report.separation {
-            separation.inverted = [followed.folded, followed.left];
-            separation.followings = followed.attempts;
-        }
+        let inverted = [followed.folded, followed.left];
+        report.separation = Some(SeparationReport { inverted, followings: followed.attempts, ..separation });
         Ok(Some(followed.map))
     }
 

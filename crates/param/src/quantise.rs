@@ -90,7 +90,8 @@ impl Lengths {
 
 /// Chooses the integers, each time keeping the paths apart that collapsed before.
 ///
-/// # Output     the free integers, if all conditions hold, and the report
+/// # Output     the free integers, and the report; where its `violated` is not 0, a map at these integers has folds, if
+/// only around the places that coincide
 /// # Errors     cancellation
 /// # Cost       k³ per round for k integers
 pub fn separate(
@@ -98,12 +99,12 @@ pub fn separate(
     options: &SeparationOptions,
     problem: &IntegerProblem,
     solve: &SolveOptions,
-) -> Result<(Option<Vec<f64>>, SeparationReport), SolveError> {
+) -> Result<(Vec<f64>, SeparationReport), SolveError> {
     let lengths = Lengths::new(tmesh, problem);
     // 1. No arc is reversed.
     let mut conditions = Conditions::of_arcs(tmesh, &lengths);
     let mut report = SeparationReport { arcs: tmesh.arcs.len(), ..Default::default() };
-    let mut z = problem.round(&conditions.rows, &[], solve)?;
+    let mut z = conditions.round(problem, solve)?;
     let mut improvements = 0;
     while report.rounds < options.rounds {
         report.rounds += 1;
@@ -128,11 +129,11 @@ pub fn separate(
         }
         // 4. Under all of them, few integers at a time are chosen better.
         if improvements >= options.improvements || !conditions.improve(&mut z, problem, solve)? {
-            return Ok((Some(z), report));
+            break;
         }
         improvements += 1;
     }
-    Ok((None, report))
+    Ok((z, report))
 }
 
 /// Rows that the integers are to meet.
@@ -179,12 +180,22 @@ impl Conditions {
         self.rows.len() > before
     }
 
+    /// All integers, under the rows where that does not take too long.
+    fn round(&self, problem: &IntegerProblem, solve: &SolveOptions) -> Result<Vec<f64>, SolveError> {
+        let rows = if problem.len() <= MOST_UNDER_ROWS { &self.rows[..] } else { &[] };
+        problem.round(rows, &[], solve)
+    }
+
     /// Lets integers jump from where they are and from a new rounding; the better one is taken, if it misses less.
     fn mend(&self, z: &mut Vec<f64>, problem: &IntegerProblem, solve: &SolveOptions) -> Result<bool, SolveError> {
-        let from_here = problem.mend(&self.rows, z);
-        let anew = problem.mend(&self.rows, &problem.round(&self.rows, &[], solve)?);
-        let cost = |z: &[f64]| (self.shortfall(z).round(), problem.excess(z));
-        let better = if cost(&anew) < cost(&from_here) { anew } else { from_here };
+        let mut better = problem.mend(&self.rows, z);
+        if problem.len() <= MOST_UNDER_ROWS {
+            let anew = problem.mend(&self.rows, &problem.round(&self.rows, &[], solve)?);
+            let cost = |z: &[f64]| (self.shortfall(z).round(), problem.excess(z));
+            if cost(&anew) < cost(&better) {
+                better = anew;
+            }
+        }
         let helps = self.shortfall(&better) < self.shortfall(z) - 0.5;
         if helps {
             *z = better;
@@ -195,7 +206,7 @@ impl Conditions {
     /// Rounds again with more room for the rows that are missed; `false` where there has been enough of that.
     fn widen(&mut self, z: &mut Vec<f64>, problem: &IntegerProblem, solve: &SolveOptions) -> Result<bool, SolveError> {
         let missed = self.missed(z);
-        if missed.iter().all(|&r| self.margin[r] >= LARGEST_MARGIN) {
+        if problem.len() > MOST_UNDER_ROWS || missed.iter().all(|&r| self.margin[r] >= LARGEST_MARGIN) {
             return Ok(false);
         }
         missed.into_iter().for_each(|r| self.margin[r] += MARGIN_STEP);
@@ -250,6 +261,10 @@ impl Conditions {
         near
     }
 }
+
+/// More integers than this are rounded without rows, and what they miss is left to jumps: multipliers of a thousand
+/// rows take longer than all else.
+const MOST_UNDER_ROWS: usize = 400;
 
 /// A row with no more than this to spare, in quads, ties its integers to each other.
 const TIGHT: f64 = 1.5;
