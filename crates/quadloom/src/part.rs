@@ -178,6 +178,12 @@ struct Run<'a> {
 /// Share of inverted triangles in a map beyond which other sizes of about the same will not help either.
 const HOPELESS_SHARE: f64 = 0.03;
 
+/// Interior singular vertices per quad beyond which no map is looked for.
+///
+/// A tiling of nothing but lattices of tubes has one for eight quads, and maps without folds; beyond a sixth, rounding
+/// takes minutes and ends in folds.
+const MOST_SINGULAR_REL: f64 = 1.0 / 6.0;
+
 impl<'a> Run<'a> {
     fn new(request: &'a PartRequest<'a>, options: &'a RemeshOptions, progress: &'a Progress) -> Self {
         let area = request.mesh.area();
@@ -234,6 +240,7 @@ impl<'a> Run<'a> {
             Some(direction) => self.given_field(&features.graph, direction)?,
             None => self.own_field(&features.graph, edge, rung.work_edge)?,
         };
+        self.check_room(rung, &work, &field, quads)?;
         let (field, relocation) = self.relocated(&work, field, edge)?;
         let (work, field, energy) = match relocation {
             Some(_) => {
@@ -317,6 +324,24 @@ impl<'a> Run<'a> {
         };
         let (field, report) = self.seconds.time("relocation", relocate)?;
         Ok((field, Some(report)))
+    }
+
+    /// Whether there are quads enough for the singular vertices.
+    fn check_room(
+        &mut self,
+        rung: &Attempt,
+        work: &WorkMesh,
+        field: &CrossField,
+        quads: f64,
+    ) -> Result<(), RemeshError> {
+        let singular = field.singularities(&work.mesh, &Transport::of(&work.mesh)).into_iter();
+        let count = singular.filter(|s| !work.mesh.is_boundary_vertex(s.0)).count();
+        if count as f64 <= MOST_SINGULAR_REL * quads {
+            return Ok(());
+        }
+        self.hopeless[usize::from(rung.sharp)] = true;
+        let why = format!("{count} singular vertices leave no room in {quads:.0} quads; ask for more quads");
+        Err(no_result("cross field", why))
     }
 
     /// A map of about so many quads; without the ties, where it folds with them and does not without.
