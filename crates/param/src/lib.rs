@@ -23,7 +23,9 @@ pub mod untangle;
 
 pub use charts::Charts;
 pub use integer_grid_map::{GRID_UNIT, IntegerGridMap, LATTICE_BITS, LatticePoint, MapDefect, Transition};
-pub use parametrize::{Method, ParamError, ParamOptions, ParamReport, Parametrization, Parametrizer, Rung};
+pub use parametrize::{
+    Method, ParamError, ParamOptions, ParamReport, Parametrization, Parametrizer, Rounded, Rung, area_of,
+};
 pub use placed::{PlacedMap, PlacementError};
 pub use relocate::{RelocationError, RelocationOptions, RelocationReport, relocate};
 pub use room::make_room;

@@ -19,7 +19,7 @@ use crate::ties::{Tie, TieError, TiePath, must_differ};
 use crate::tmesh::trace;
 use crate::untangle::{UntangleOptions, UntangleReport, untangle};
 use quadloom_field::{CrossField, SizeField, Transport};
-use quadloom_mesh::{Cancelled, EdgeMap, FaceId, FaceMap, FeatureGraph, Progress, TriMesh, metric};
+use quadloom_mesh::{Cancelled, EdgeMap, FaceId, FaceMap, FeatureGraph, Progress, TriConnectivity, TriMesh, metric};
 use quadloom_numeric::{Rounding, SolveError, SolveOptions, Solver, Updates};
 use std::time::Instant;
 
@@ -128,6 +128,24 @@ pub struct ParamReport {
     pub seconds: [f64; 3],
 }
 
+/// A map right after its integers were rounded; triangles may be inverted.
+#[derive(Clone, Debug)]
+pub struct Rounded {
+    placed: PlacedMap,
+    gradient: FaceMap<FaceGradient>,
+    report: ParamReport,
+    /// Area of its image, grid units squared: the number of quads that the repaired map will have, but for a few
+    /// percent.
+    pub area: f64,
+}
+
+/// Area of a map's image, grid units squared: its number of quads.
+pub fn area_of(mesh: &TriConnectivity, map: &IntegerGridMap) -> f64 {
+    let twice: i128 = mesh.faces().map(|f| map.face_area(mesh, f)).sum();
+    let unit = GRID_UNIT as f64;
+    0.5 * (twice as f64) / (unit * unit)
+}
+
 /// An integer-grid map and how it came about.
 #[derive(Clone, Debug)]
 pub struct Parametrization {
@@ -213,13 +231,40 @@ impl<'a> Parametrizer<'a> {
         options: &ParamOptions,
         progress: &Progress,
     ) -> Result<Parametrization, ParamError> {
+        let rounded = self.rounded(size, options, progress)?;
+        self.repaired(rounded, options, progress)
+    }
+
+    /// Rung 1 of [`Parametrizer::map`]: what the later ones start from, at a fraction of their cost.
+    ///
+    /// # Errors     [`ParamError::Solve`] where the energy does not determine the map
+    pub fn rounded(
+        &mut self,
+        size: &SizeField,
+        options: &ParamOptions,
+        progress: &Progress,
+    ) -> Result<Rounded, ParamError> {
         let start = Instant::now();
         let mut report = ParamReport { variables: variable_count(&self.charts), ..Default::default() };
         report.seconds[0] = self.setup_seconds;
         let gradient = face_gradients(self.mesh, &self.length, self.field, size, &self.charts);
-        // 1. Integers and points together.
-        let mut placed = self.solve(&gradient, options, &mut report, progress)?;
+        let placed = self.solve(&gradient, options, &mut report, progress)?;
         report.seconds[1] = start.elapsed().as_secs_f64();
+        let area = area_of(self.mesh, &placed.to_lattice(self.mesh));
+        Ok(Rounded { placed, gradient, report, area })
+    }
+
+    /// Rungs 2 to 4 of [`Parametrizer::map`].
+    ///
+    /// # Output     the map of the rung with the fewest inverted triangles
+    pub fn repaired(
+        &mut self,
+        rounded: Rounded,
+        options: &ParamOptions,
+        progress: &Progress,
+    ) -> Result<Parametrization, ParamError> {
+        let start = Instant::now();
+        let Rounded { mut placed, gradient, mut report, .. } = rounded;
         report.inverted_after_solve = placed.folded_faces(self.mesh).len();
         // 2., 3. Other points at the same integers.
         let quick = options.untangle.quick();
@@ -244,7 +289,7 @@ impl<'a> Parametrizer<'a> {
                 }
             }
         }
-        report.seconds[2] = start.elapsed().as_secs_f64() - report.seconds[1];
+        report.seconds[2] = start.elapsed().as_secs_f64();
         progress.check()?;
         Ok(Parametrization { map: placed.to_lattice(self.mesh), inverted, report })
     }

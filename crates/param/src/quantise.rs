@@ -17,14 +17,14 @@ use std::collections::BTreeMap;
 pub struct SeparationOptions {
     /// Most rounds: paths that are added, or integers that are chosen again. Default 60; few maps need more than ten.
     pub rounds: u32,
-    /// Most passes in which a few integers at a time are chosen again for less energy. Default 3: later ones change
+    /// Most passes in which a few integers at a time are chosen again for less energy. Default 2: later ones change
     /// little.
     pub improvements: u32,
 }
 
 impl Default for SeparationOptions {
     fn default() -> Self {
-        Self { rounds: 60, improvements: 3 }
+        Self { rounds: 60, improvements: 2 }
     }
 }
 

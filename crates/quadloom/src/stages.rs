@@ -14,8 +14,8 @@ use quadloom_mesh::refine::separate_features;
 use quadloom_mesh::remesh::{self, TargetLength, isotropic};
 use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, TriMesh, VertexId, metric};
 use quadloom_param::{
-    GRID_UNIT, IntegerGridMap, ParamOptions, Parametrization, Parametrizer, RelocationError, RelocationOptions,
-    RelocationReport, Tie, make_room, relocate, solve_open_field,
+    IntegerGridMap, ParamOptions, Parametrization, Parametrizer, RelocationError, RelocationOptions, RelocationReport,
+    Tie, area_of, make_room, relocate, solve_open_field,
 };
 
 /// Edge length of the work mesh, relative to that of the quads.
@@ -31,6 +31,9 @@ const CANCEL_DISTANCE_REL: f64 = 1.5;
 
 /// Solves of the map that reaching a count may cost.
 const COUNT_SOLVES: usize = 4;
+
+/// Solves for rounded maps that finding the size may cost, each a fraction of a map's.
+const PREVIEWS: usize = 3;
 
 /// The mesh on which field and map are solved.
 #[derive(Clone, Debug)]
@@ -197,21 +200,31 @@ pub fn integer_grid_map(
     };
     let options = ParamOptions { method, ..ParamOptions::default() };
     let mut first_error = None;
+    // 1. A size whose rounded map has about the count: repairs cost more and change it little.
+    let preview = CountGoal { tolerance: 0.5 * goal.tolerance, solves: PREVIEWS, ..goal };
+    let rounded = fit_count(preview, edge_length, |edge| {
+        let rounded = parametrizer.rounded(&size.scaled(edge), &options, progress);
+        made(rounded.map(|map| Tried { quads: map.area, solution: map, flaws: 0 }), &mut first_error)
+    })?;
+    let edge_length = rounded.as_ref().map_or(edge_length, |r| r.size);
+    let previews = rounded.as_ref().map_or(0, |r| r.solves);
+    let mut first = rounded.map(|r| r.solution);
+    // 2. Maps without folds, with small corrections.
     let fitted = fit_count(goal, edge_length, |edge| {
-        match parametrizer.map(&size.scaled(edge), &options, progress).map_err(param_error) {
-            Ok(map) => {
-                let (quads, flaws) = (quads_in(&work.mesh, &map.map), map.inverted.len());
-                Ok(Some(Tried { solution: map, quads, flaws }))
-            }
-            Err(e @ RemeshError::Cancelled(_)) => Err(e),
-            Err(e) => {
-                first_error.get_or_insert(e);
-                Ok(None)
-            }
-        }
+        let rounded = match first.take() {
+            Some(rounded) => Ok(rounded),
+            None => parametrizer.rounded(&size.scaled(edge), &options, progress),
+        };
+        let map = rounded.and_then(|rounded| parametrizer.repaired(rounded, &options, progress));
+        let tried = |map: Parametrization| {
+            let (quads, flaws) = (area_of(&work.mesh, &map.map), map.inverted.len());
+            Tried { solution: map, quads, flaws }
+        };
+        made(map.map(tried), &mut first_error)
     })?;
     match (fitted, first_error) {
         (Some(Fitted { solution, quads, size, solves }), _) => {
+            let solves = solves + previews.saturating_sub(1);
             Ok(SizedMap { parametrization: solution, quads, edge_length: size, solves })
         }
         (None, Some(e)) => Err(e),
@@ -219,17 +232,25 @@ pub fn integer_grid_map(
     }
 }
 
-/// How a count is to be reached under the options.
-pub fn count_goal(quads: f64, options: &RemeshOptions) -> CountGoal {
-    // Half of what is accepted is left to what extraction and components may add.
-    CountGoal { quads, tolerance: 0.5 * options.tolerance, solves: COUNT_SOLVES }
+/// What a solve made; an error other than cancellation only ends the corrections, and the first one is kept.
+fn made<T>(
+    result: Result<Tried<T>, quadloom_param::ParamError>,
+    first_error: &mut Option<RemeshError>,
+) -> Result<Option<Tried<T>>, RemeshError> {
+    match result.map_err(param_error) {
+        Ok(tried) => Ok(Some(tried)),
+        Err(e @ RemeshError::Cancelled(_)) => Err(e),
+        Err(e) => {
+            first_error.get_or_insert(e);
+            Ok(None)
+        }
+    }
 }
 
-/// Number of quads in a map: the area of its image, in grid units squared.
-pub fn quads_in(mesh: &TriMesh, map: &IntegerGridMap) -> f64 {
-    let twice: i128 = mesh.faces().map(|f| map.face_area(mesh, f)).sum();
-    let unit = GRID_UNIT as f64;
-    0.5 * (twice as f64) / (unit * unit)
+/// How a count is to be reached under the options.
+pub fn count_goal(quads: f64, options: &RemeshOptions) -> CountGoal {
+    // Some of what is accepted is left to what extraction and components may add.
+    CountGoal { quads, tolerance: 0.7 * options.tolerance, solves: COUNT_SOLVES }
 }
 
 /// Extracts the quads of a map.
