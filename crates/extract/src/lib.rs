@@ -21,5 +21,6 @@ pub use extraction::{ExtractError, ExtractReport, Extraction, GridSquare, Placem
 pub use finish::{FinishError, FinishOptions, FinishReport, Finished, finish};
 pub use quality::{
     Deviation, Distances, Histogram, IrregularVertices, QuadQuality, QualitySummary, facing_against, scaled_jacobian,
+    split_at_centres,
 };
 pub use reference::Reference;

@@ -240,7 +240,7 @@ pub fn facing_against(quads: &QuadMesh, reference: &Reference) -> Vec<FaceId> {
 }
 
 /// Four triangles around the centre of each quad: always a mesh, and fair to both diagonals.
-pub(crate) fn split_at_centres(quads: &QuadMesh) -> Result<TriMesh, MeshError> {
+pub fn split_at_centres(quads: &QuadMesh) -> Result<TriMesh, MeshError> {
     let mut positions = quads.positions().values().to_vec();
     let mut faces = Vec::with_capacity(4 * quads.face_count());
     for f in quads.faces() {

@@ -114,8 +114,6 @@ pub enum WarningCode {
     FoldsSurvived,
     /// Some quads face against the input at their centre, though not all around it.
     FacingUnclear,
-    /// The quads are farther from the input than a tenth of their size.
-    FarFromInput,
     /// A stage that was asked for does not exist for this input.
     Ignored,
 }

@@ -15,7 +15,7 @@ use crate::stages::{
     with_room, work_edge_length, work_mesh, work_mesh_with_field,
 };
 use crate::ties::{TieReport, TieRequest, joined_ties, ties_on};
-use crate::verify::verify;
+use crate::verify::{lost_part, verify};
 use quadloom_extract::{Distances, Extraction, FinishError, FinishOptions, Reference, finish};
 use quadloom_field::{CrossField, Transport};
 use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, QuadMesh, TriMesh, VertexId};
@@ -259,9 +259,11 @@ impl<'a> Run<'a> {
         let integer_grid = &map.parametrization.map;
         let extraction = self.seconds.time("extraction", || extract_quads(&work, integer_grid, self.progress))?;
         let reference = self.seconds.time("reference", || Reference::new(self.request.mesh, &features.graph));
-        let quads = self.seconds.time("finish", || finish_quads(&extraction, &reference, self.progress))?;
+        let quads =
+            self.seconds.time("finish", || finish_quads(&extraction, &reference, self.options, self.progress))?;
         let ties = joined_ties(&work, &extraction, self.request, &ties);
         let solution = Solution { work, field, energy, map, extraction, ties, relocation };
+        self.check_for_lost_parts(&solution, &quads)?;
         let distances = self.checked(&quads, &reference)?;
         self.warnings.extend(fold_warning(&solution));
         Ok((quads, solution, distances))
@@ -376,6 +378,21 @@ impl<'a> Run<'a> {
         if folds(&free) < folds(&map) { free } else { map }
     }
 
+    /// Where a map has folds, quads around them were closed up, perhaps across a sheet or rod that is then left out.
+    fn check_for_lost_parts(&mut self, solution: &Solution, quads: &QuadMesh) -> Result<(), RemeshError> {
+        if solution.map.parametrization.inverted.is_empty() {
+            return Ok(());
+        }
+        match self.seconds.time("verify", || lost_part(quads, self.request.mesh)) {
+            None => Ok(()),
+            Some((v, distance, edges)) => {
+                let why =
+                    format!("the quads leave out a part of the surface: {v} is {distance:.3e} away, {edges:.1} edges");
+                Err(no_result("verification", why))
+            }
+        }
+    }
+
     /// Distances of quads that pass verification.
     fn checked(&mut self, quads: &QuadMesh, reference: &Reference) -> Result<Option<Distances>, RemeshError> {
         self.progress.report("verify", 0.0);
@@ -437,9 +454,15 @@ fn on_work_mesh(request: &PartRequest, work: &WorkMesh) -> Vec<(VertexId, i32)> 
 }
 
 /// Smoothing on the input.
-fn finish_quads(extraction: &Extraction, reference: &Reference, progress: &Progress) -> Result<QuadMesh, RemeshError> {
+fn finish_quads(
+    extraction: &Extraction,
+    reference: &Reference,
+    options: &RemeshOptions,
+    progress: &Progress,
+) -> Result<QuadMesh, RemeshError> {
     progress.report("finish", 0.0);
-    match finish(extraction, reference, &FinishOptions::default(), progress) {
+    let finishing = FinishOptions { crease_angle: options.sharp_angle, ..FinishOptions::default() };
+    match finish(extraction, reference, &finishing, progress) {
         Ok(finished) => Ok(finished.mesh),
         Err(FinishError::Cancelled(c)) => Err(c.into()),
         Err(other) => Err(no_result("finish", other)),

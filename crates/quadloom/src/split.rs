@@ -33,8 +33,9 @@ use quadloom_mesh::{
 /// Number of quads that [`split_triangles`] makes of each triangle.
 pub const QUADS_PER_TRIANGLE: usize = 3;
 
-/// Rounds in which the work mesh is made finer where quads fail: the third has edges of an eighth.
-const REFINEMENTS: usize = 4;
+/// Rounds in which the work mesh is made finer where quads fail: the third has edges of an eighth, the last of a
+/// thousandth, for steps and ditches of solids that are so much smaller than the quads asked for.
+const REFINEMENTS: usize = 10;
 
 /// Factor on the work mesh's edges around quads that fail.
 const REFINED_REL: f64 = 0.5;

@@ -6,6 +6,7 @@
 //! of threads. Not: that a quad inverted at the start is cured.
 //! Source: [Bommes2012] §8.5 asks for it; the method is projective smoothing [Bouaziz2012] with rollback, own.
 
+mod creases;
 mod joints;
 mod shape;
 mod state;
@@ -16,6 +17,7 @@ mod untangle;
 
 use crate::extraction::Extraction;
 use crate::reference::Reference;
+use creases::{CreaseError, follow_creases};
 use joints::settle_on_joints;
 use quadloom_mesh::{Cancelled, MeshError, Progress, QuadMesh};
 use serde::{Deserialize, Serialize};
@@ -41,6 +43,9 @@ pub struct FinishOptions {
     pub poor: f64,
     /// Rounds of that at most. Default 12.
     pub rounds: usize,
+    /// Dihedral angle from which an edge of the surface is sharp, degrees: vertices go to such edges that are no features.
+    /// Default 35, as for features. `None`: none do.
+    pub crease_angle: Option<f64>,
     /// Whether vertices leave their feature where a quad stays inverted otherwise. Default true: a mesh without
     /// inverted quads is worth more than a few edge lengths of a feature, and the report counts them.
     pub release: bool,
@@ -51,7 +56,16 @@ const SHORTEST_STEP_REL: f64 = 0.2;
 
 impl Default for FinishOptions {
     fn default() -> Self {
-        Self { sweeps: 25, settled_rel: 0.01, stretch_kept: 0.7, laplacian: 0.1, poor: 0.35, rounds: 12, release: true }
+        Self {
+            sweeps: 25,
+            settled_rel: 0.01,
+            stretch_kept: 0.7,
+            laplacian: 0.1,
+            poor: 0.35,
+            rounds: 12,
+            crease_angle: Some(35.0),
+            release: true,
+        }
     }
 }
 
@@ -80,6 +94,8 @@ pub struct FinishReport {
     pub pinned: usize,
     /// Moves of vertices towards tips of the surface that the quads cut off.
     pub tips: usize,
+    /// Vertices that were pinned to sharp edges which are no features.
+    pub creased: usize,
     /// Vertices that left their corner or curve because a quad stayed inverted otherwise.
     pub released: usize,
     /// Quads inverted or facing against the surface, as they came.
@@ -106,6 +122,15 @@ pub enum FinishError {
     /// A position is not finite: the input has coordinates near the limits of floating point.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+}
+
+impl From<CreaseError> for FinishError {
+    fn from(error: CreaseError) -> Self {
+        match error {
+            CreaseError::Cancelled(c) => c.into(),
+            CreaseError::Mesh(e) => e.into(),
+        }
+    }
 }
 
 /// Moves the quads onto the input surface and smooths them there.
@@ -159,7 +184,16 @@ pub fn finish(
         report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
         state.project_all();
     }
-    // 7. A feature is given up where it alone keeps a quad inverted.
+    // 7. Sharp edges that are no features.
+    if let Some(angle) = options.crease_angle {
+        report.creased = follow_creases(&mut state, angle, edge, aim, progress)?;
+    }
+    if report.creased > 0 {
+        report.sweeps += sweep_until(&mut state, aim, settled, options.sweeps.min(SWEEPS_AFTER_PINNING), progress)?;
+        report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
+        state.project_all();
+    }
+    // 8. A feature is given up where it alone keeps a quad inverted.
     for rings in 0..RELEASE_RINGS {
         if !options.release || state.bad_quads() == 0 {
             break;

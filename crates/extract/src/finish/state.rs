@@ -259,6 +259,7 @@ impl<'a> State<'a> {
         let mut released = 0;
         for v in around.iter().flat_map(|&f| self.quads.face_vertices(f)) {
             if matches!(self.tie[v], Tie::Surface { .. }) || self.quads.is_boundary_vertex(v) {
+                released += usize::from(std::mem::take(&mut self.pinned[v]));
                 continue;
             }
             let normal = self.vertex_normal(v);
@@ -273,6 +274,11 @@ impl<'a> State<'a> {
     /// Whether a quad counts as inverted: with a margin, so that writing coordinates as text does not turn it over.
     pub fn is_bad(&self, f: FaceId) -> bool {
         self.quality[f.index()] < INVERTED
+    }
+
+    /// Whether a vertex goes anywhere on the surface.
+    pub fn may_move(&self, v: VertexId) -> bool {
+        matches!(self.tie[v], Tie::Surface { .. }) && !self.pinned[v]
     }
 
     /// Where a vertex is.

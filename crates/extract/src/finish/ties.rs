@@ -39,7 +39,7 @@ pub(crate) struct Move {
 
 impl Move {
     /// A place in a face of the surface.
-    fn on(reference: &Reference, face: FaceId, position: DVec3) -> Self {
+    pub fn on(reference: &Reference, face: FaceId, position: DVec3) -> Self {
         let [a, b, c] = reference.mesh.face_vertices(face).map(|v| reference.mesh.position(v));
         Self { position, tie: Tie::Surface { face, normal: (b - a).cross(c - a).normalize_or_zero() } }
     }
