@@ -386,8 +386,9 @@ impl<'a> Run<'a> {
         match self.seconds.time("verify", || lost_part(quads, self.request.mesh)) {
             None => Ok(()),
             Some((v, distance, edges)) => {
-                let why =
-                    format!("the quads leave out a part of the surface: {v} is {distance:.3e} away, {edges:.1} edges");
+                let why = format!(
+                    "the quads leave out a part of the surface: vertex {v} is {distance:.3e} away, {edges:.1} edges"
+                );
                 Err(no_result("verification", why))
             }
         }
