@@ -22,6 +22,13 @@ pub struct IntegerSum {
     pub constant: f64,
 }
 
+impl IntegerSum {
+    /// Its value at the free integers.
+    pub fn value(&self, z: &[f64]) -> f64 {
+        self.terms.iter().map(|&(i, c)| c * z[i as usize]).sum::<f64>() + self.constant
+    }
+}
+
 /// The free integers of one energy, with everything else at its optimum: for roundings under changing bounds.
 #[derive(Debug)]
 pub struct IntegerProblem<'a> {

@@ -16,6 +16,7 @@ pub mod quantise;
 pub mod relocate;
 mod room;
 pub mod sectors;
+pub mod sight;
 pub mod stiffen;
 pub mod ties;
 pub mod tmesh;

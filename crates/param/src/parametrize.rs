@@ -14,6 +14,7 @@ use crate::problem::{
     EnergyOptions, FaceGradient, face_gradients, map_constraints, orientation_energy, variable_count,
 };
 use crate::quantise::{SeparationOptions, SeparationReport, separate};
+use crate::sight::sights;
 use crate::stiffen::{self, StiffenOptions, StiffenReport, stiffen};
 use crate::ties::{Tie, TieError, TiePath, must_differ};
 use crate::tmesh::trace;
@@ -413,6 +414,7 @@ impl<'a> Parametrizer<'a> {
         let Ok(tmesh) = trace(self.mesh, self.features, &self.charts, &lattice, progress) else {
             return Ok(None);
         };
+        let seen = sights(self.mesh, &self.charts, &lattice, SIGHT);
         let most_steps = self.most_steps();
         // 3. Integers.
         let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, 1.0);
@@ -420,7 +422,7 @@ impl<'a> Parametrizer<'a> {
         let solve_options = SolveOptions { cancelled: Some(&cancelled), ..SolveOptions::default() };
         let failed = |e| solve_error(e, progress);
         let problem = self.solver.integer_problem(&energy, &solve_options).map_err(failed)?;
-        let (z, separation) = separate(&tmesh, &options.separation, &problem, &solve_options).map_err(failed)?;
+        let (z, separation) = separate(&tmesh, &seen, &options.separation, &problem, &solve_options).map_err(failed)?;
         progress.check()?;
         let x = problem.complete(&z).map_err(failed)?;
         let target = PlacedMap::new(self.mesh, &self.charts, &x, GRID_UNIT).map_err(ParamError::Placement)?;
@@ -447,6 +449,10 @@ impl<'a> Parametrizer<'a> {
         LEAST_STEPS.max(u32::try_from(self.mesh.face_count()).unwrap_or(u32::MAX))
     }
 }
+
+/// Grid units within which integer vertices are kept off each other and off features: rounding seldom moves two of them
+/// towards each other by more.
+const SIGHT: f64 = 2.5;
 
 /// Newton steps that any map may take: a few regions with all their rings. Larger meshes may take one per face: a
 /// crumb of a hundred faces would else take as long as a whole model, and many models have a hundred crumbs.

@@ -1,12 +1,13 @@
 //! Separation: integers under which no arc of the motorcycle graph is reversed and no two fixed places coincide.
 //!
-//! In: the arcs of a fold-free seamless map and the map's integers with their energy. Out: integers that admit a
+//! In: the arcs of a fold-free seamless map, what its integer vertices see, and the map's integers with their energy. Out: integers that admit a
 //! fold-free map, or the number of conditions that could not be met. Holds on success: every arc is non-negative, no
 //! path of zero arcs joins two integer vertices or features.
 //! Source: the validity conditions of [Campen2015] §4, as rows of the problem of [Bommes2012] §8.4: lengths of arcs are
 //! at least 0, and a path found to have collapsed is at least 1 long, which for arcs that are not negative is the same
 //! as one of them being so.
 
+use crate::sight::Sight;
 use crate::tmesh::{Arc, Form, TMesh};
 use quadloom_mesh::FaceId;
 use quadloom_numeric::{IntegerProblem, IntegerSum, LowerBound, SolveError, SolveOptions};
@@ -17,14 +18,14 @@ use std::collections::BTreeMap;
 pub struct SeparationOptions {
     /// Most rounds: paths that are added, or integers that are chosen again. Default 60; few maps need more than ten.
     pub rounds: u32,
-    /// Most passes in which a few integers at a time are chosen again for less energy. Default 2: later ones change
-    /// little.
+    /// Most passes in which a few integers at a time are chosen again for less energy. Default 6; most maps gain
+    /// little after the first.
     pub improvements: u32,
 }
 
 impl Default for SeparationOptions {
     fn default() -> Self {
-        Self { rounds: 60, improvements: 2 }
+        Self { rounds: 60, improvements: 6 }
     }
 }
 
@@ -70,8 +71,7 @@ impl Lengths {
     }
 
     fn values(&self, z: &[f64]) -> Vec<f64> {
-        let value =
-            |sum: &IntegerSum| (sum.terms.iter().map(|&(i, c)| c * z[i as usize]).sum::<f64>() + sum.constant).round();
+        let value = |sum: &IntegerSum| sum.value(z).round();
         self.of_arc.iter().map(|arc| arc.as_ref().map_or(f64::INFINITY, value)).collect()
     }
 
@@ -96,16 +96,18 @@ impl Lengths {
 /// # Cost       k³ per round for k integers
 pub fn separate(
     tmesh: &TMesh,
+    sights: &[Sight],
     options: &SeparationOptions,
     problem: &IntegerProblem,
     solve: &SolveOptions,
 ) -> Result<(Vec<f64>, SeparationReport), SolveError> {
+    let differences: Vec<Difference> = sights.iter().filter_map(|sight| Difference::new(sight, problem)).collect();
     let lengths = Lengths::new(tmesh, problem);
     // 1. No arc is reversed.
     let mut conditions = Conditions::of_arcs(tmesh, &lengths);
     let mut report = SeparationReport { arcs: tmesh.arcs.len(), ..Default::default() };
     let mut z = conditions.round(problem, solve)?;
-    let mut improvements = 0;
+    let mut improvements = options.improvements;
     while report.rounds < options.rounds {
         report.rounds += 1;
         report.prescribed = conditions.rows.len() - conditions.arcs;
@@ -120,20 +122,56 @@ pub fn separate(
         }
         // 3. No path between places that must differ collapses.
         let collapsed = collapsed_paths(tmesh, &lengths.values(&z));
-        report.violated = collapsed.len();
-        if !collapsed.is_empty() {
-            if !conditions.add(collapsed.iter().filter_map(|path| lengths.bound(path, 1.0))) {
+        let coincident: Vec<&Difference> = differences.iter().filter(|d| d.is_zero(&z)).collect();
+        report.violated = collapsed.len() + coincident.len();
+        if report.violated > 0 {
+            let apart = coincident.iter().map(|d| d.apart());
+            if !conditions.add(collapsed.iter().filter_map(|path| lengths.bound(path, 1.0)).chain(apart)) {
                 break;
             }
             continue;
         }
-        // 4. Under all of them, few integers at a time are chosen better.
-        if improvements >= options.improvements || !conditions.improve(&mut z, problem, solve)? {
+        // 4. Under all of them, few integers at a time are chosen better; what that changes is looked at again.
+        if improvements == 0 {
             break;
         }
-        improvements += 1;
+        let before = problem.excess(&z);
+        conditions.improve(&mut z, problem, solve)?;
+        let gained = before - problem.excess(&z);
+        improvements = if gained > WORTHWHILE * before { improvements - 1 } else { 0 };
     }
     Ok((z, report))
+}
+
+/// What one integer vertex sees, over the free integers.
+struct Difference {
+    /// Must not all be zero.
+    sums: Vec<IntegerSum>,
+    /// The largest of them in the seamless map, and its sign there.
+    largest: usize,
+    sign: f64,
+}
+
+impl Difference {
+    /// `None` where it is not a matter of integers alone, or of none.
+    fn new(sight: &Sight, problem: &IntegerProblem) -> Option<Self> {
+        let over = |form: &Form| problem.over_integers(form.iter().map(|&(i, c)| (i as usize, f64::from(c))));
+        let sums: Vec<IntegerSum> = sight.ways.iter().map(|w| over(&w.1)).collect::<Option<_>>()?;
+        let ways = || sight.ways.iter().map(|w| w.0).enumerate();
+        let (largest, way) = ways().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()).then(b.0.cmp(&a.0)))?;
+        (!sums[largest].terms.is_empty()).then_some(Self { sums, largest, sign: way.signum() })
+    }
+
+    fn is_zero(&self, z: &[f64]) -> bool {
+        self.sums.iter().all(|sum| sum.value(z).abs() < 0.5)
+    }
+
+    /// The row that keeps the two apart, in the direction in which they are.
+    fn apart(&self) -> LowerBound {
+        let sum = &self.sums[self.largest];
+        let terms = sum.terms.iter().map(|&(i, c)| (i, self.sign * c)).collect();
+        LowerBound { terms, least: 1.0 - self.sign * sum.constant }
+    }
 }
 
 /// Rows that the integers are to meet.
@@ -189,7 +227,7 @@ impl Conditions {
     /// Lets integers jump from where they are and from a new rounding; the better one is taken, if it misses less.
     fn mend(&self, z: &mut Vec<f64>, problem: &IntegerProblem, solve: &SolveOptions) -> Result<bool, SolveError> {
         let mut better = problem.mend(&self.rows, z);
-        if problem.len() <= MOST_UNDER_ROWS {
+        if problem.len() <= MOST_UNDER_ROWS && self.shortfall(&better) > 0.5 {
             let anew = problem.mend(&self.rows, &problem.round(&self.rows, &[], solve)?);
             let cost = |z: &[f64]| (self.shortfall(z).round(), problem.excess(z));
             if cost(&anew) < cost(&better) {
@@ -216,8 +254,8 @@ impl Conditions {
         Ok(true)
     }
 
-    /// Chooses integers again, one neighbourhood after the other, where all rows stay met; whether any changed.
-    fn improve(&self, z: &mut Vec<f64>, problem: &IntegerProblem, solve: &SolveOptions) -> Result<bool, SolveError> {
+    /// Chooses integers again, one neighbourhood after the other, where all rows stay met.
+    fn improve(&self, z: &mut Vec<f64>, problem: &IntegerProblem, solve: &SolveOptions) -> Result<(), SolveError> {
         let mut rows_of = vec![Vec::new(); z.len()];
         for (row, r) in self.rows.iter().zip(0u32..) {
             row.terms.iter().for_each(|t| rows_of[t.0 as usize].push(r));
@@ -234,13 +272,16 @@ impl Conditions {
             let mut free = vec![false; z.len()];
             near.iter().for_each(|&i| free[i] = true);
             let kept: Vec<(usize, f64)> = (0..z.len()).filter(|&i| !free[i]).map(|i| (i, z[i])).collect();
-            let other = problem.round(&self.rows, &kept, solve)?;
+            let mut other = problem.round(&self.rows, &kept, solve)?;
+            if !self.missed(&other).is_empty() {
+                other = problem.mend(&self.rows, &other);
+            }
             let excess = problem.excess(&other);
             if excess < least - 1e-9 * before && self.missed(&other).is_empty() {
                 (least, *z) = (excess, other);
             }
         }
-        Ok(least < before)
+        Ok(())
     }
 
     /// Integers around one, nearest first, that rows without room to spare tie to each other.
@@ -268,6 +309,9 @@ const MOST_UNDER_ROWS: usize = 400;
 
 /// A row with no more than this to spare, in quads, ties its integers to each other.
 const TIGHT: f64 = 1.5;
+
+/// Part of the energy above the relaxation's that a pass has to gain for another one.
+const WORTHWHILE: f64 = 0.03;
 
 /// Integers that are chosen again together.
 ///
