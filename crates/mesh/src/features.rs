@@ -4,6 +4,7 @@
 //! Holds: every feature edge belongs to exactly one chain; chains meet only at corners; a chain without
 //! a corner is closed; ids follow the smallest edge id. Source: [Bommes2012] §8.4, feature line alignment.
 
+use crate::DVec3;
 use crate::ids::{EdgeId, EdgeMap, HalfEdgeId, VertexId, VertexMap};
 use crate::mesh::TriMesh;
 use crate::metric::dihedral_angle;
@@ -54,6 +55,9 @@ pub struct FeatureOptions {
     /// Turn of a chain from which a vertex is a corner, degrees. Default 50: below it a polygonal circle of eight
     /// sides stays one smooth chain, above it a hexagon does.
     pub corner_angle: f64,
+    /// Length along a boundary, to either side, over which it must turn as much for a corner, file units: the saw teeth
+    /// of a scan's boundary are none. Default 0: the two edges at the vertex decide.
+    pub boundary_reach: f64,
     /// Connected pieces of sharp edges with an open end, and not attached to a boundary or guide, that are shorter than
     /// this are dropped, file units. Default 0: none is.
     pub min_loose_length: f64,
@@ -70,6 +74,7 @@ impl Default for FeatureOptions {
         Self {
             sharp_angle: Some(35.0),
             corner_angle: 50.0,
+            boundary_reach: 0.0,
             min_loose_length: 0.0,
             min_piece_length: 0.0,
             min_contrast: 0.0,
@@ -158,9 +163,13 @@ impl FeatureGraph {
         let is_corner = VertexMap::from_fn(mesh.vertex_count(), |v| match at[v][..] {
             [] => false,
             [e, g] => {
-                let (p, a, b) = (mesh.position(v), other_end(mesh, e, v), other_end(mesh, g, v));
-                let (i, o) = ((p - mesh.position(a)).normalize_or_zero(), (mesh.position(b) - p).normalize_or_zero());
-                kind[e] != kind[g] || i.dot(o) < cos_turn
+                let p = mesh.position(v);
+                let turns =
+                    |a: DVec3, b: DVec3| (p - a).normalize_or_zero().dot((b - p).normalize_or_zero()) < cos_turn;
+                let reach = if kind[e] == Some(FeatureKind::Boundary) { options.boundary_reach } else { 0.0 };
+                let [a, b] = [e, g].map(|first| mesh.position(other_end(mesh, first, v)));
+                let [far_a, far_b] = [e, g].map(|first| point_along(mesh, &at, v, first, reach));
+                kind[e] != kind[g] || turns(a, b) && turns(far_a, far_b)
             }
             _ => true,
         });
@@ -321,6 +330,25 @@ fn crease_contrast(mesh: &TriMesh, e: EdgeId) -> f64 {
     dihedral_angle(mesh, h) / around.max(1f64.to_radians())
 }
 
+/// Where a curve that leaves a vertex along an edge is after some length; its next vertex at least, its end at most.
+fn point_along(mesh: &TriMesh, at: &VertexMap<Vec<EdgeId>>, start: VertexId, first: EdgeId, reach: f64) -> DVec3 {
+    let (mut edge, mut v) = (first, other_end(mesh, first, start));
+    let mut left = reach - mesh.position(start).distance(mesh.position(v));
+    while left > 0.0 && v != start {
+        let [a, b] = at[v][..] else { break };
+        edge = if a == edge { b } else { a };
+        let w = other_end(mesh, edge, v);
+        let (p, q) = (mesh.position(v), mesh.position(w));
+        let length = p.distance(q);
+        if length >= left {
+            return p.lerp(q, left / length);
+        }
+        left -= length;
+        v = w;
+    }
+    mesh.position(v)
+}
+
 /// The end of `e` that is not `v`.
 pub fn other_end(mesh: &TriMesh, e: EdgeId, v: VertexId) -> VertexId {
     let [a, b] = mesh.ends(e);
@@ -396,6 +424,27 @@ mod tests {
         assert_eq!(graph.chains.iter().filter(|c| c.closed).count(), 5);
         assert_eq!(graph.chains.len(), 9);
         assert!(graph.chains.iter().all(|c| c.kind == FeatureKind::Boundary));
+    }
+
+    #[test]
+    fn saw_teeth_of_a_boundary_are_no_corners_at_the_size_of_quads() {
+        // A strip whose lower rim goes up and down by 60°, between two square corners.
+        let teeth = 20u32;
+        let rim = (0..=teeth).map(|i| DVec3::new(f64::from(i), if i % 2 == 1 { 0.6 } else { 0.0 }, 0.0));
+        let top = (0..=teeth).map(|i| DVec3::new(f64::from(i), 9.0, 0.0));
+        let positions: Vec<DVec3> = rim.chain(top).collect();
+        let n = teeth + 1;
+        let faces: Vec<[u32; 3]> = (0..teeth).flat_map(|i| [[i, i + 1, n + i], [i + 1, n + i + 1, n + i]]).collect();
+        let mesh = TriMesh::new(positions, &faces).unwrap();
+        let corners = |boundary_reach: f64| {
+            let options = FeatureOptions { boundary_reach, ..FeatureOptions::default() };
+            let (graph, _) = FeatureGraph::detect(&mesh, &options);
+            check(&mesh, &graph);
+            graph.is_corner.values().iter().filter(|&&c| c).count()
+        };
+        assert!(corners(0.0) >= 19, "{}", corners(0.0));
+        // Those within reach of the square corners see them turn.
+        assert!((4..=8).contains(&corners(5.0)), "{}", corners(5.0));
     }
 
     #[test]

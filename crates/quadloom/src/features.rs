@@ -65,6 +65,7 @@ pub fn find_features(mesh: &TriMesh, request: &FeatureRequest, size: f64) -> Fea
         min_loose_length: LOOSE_CHAIN_EDGES * size,
         min_piece_length: SHORT_PIECE_EDGES * size,
         min_contrast: CREASE_CONTRAST,
+        boundary_reach: size,
         ..FeatureOptions::default()
     };
     let (mut graph, dropped_edges) = FeatureGraph::from_kinds(mesh, kind.clone(), &options);
@@ -87,7 +88,8 @@ pub fn find_features(mesh: &TriMesh, request: &FeatureRequest, size: f64) -> Fea
     for e in trace_guides(mesh, &request.guides) {
         kind[e] = kind[e].or(Some(FeatureKind::Guide));
     }
-    graph = FeatureGraph::from_kinds(mesh, kind, &FeatureOptions::default()).0;
+    let options = FeatureOptions { boundary_reach: size, ..FeatureOptions::default() };
+    graph = FeatureGraph::from_kinds(mesh, kind, &options).0;
     Features { graph, dropped_edges, missing_edges }
 }
 

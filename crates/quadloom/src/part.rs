@@ -180,9 +180,9 @@ const HOPELESS_SHARE: f64 = 0.03;
 
 /// Interior singular vertices per quad beyond which no map is looked for.
 ///
-/// A tiling of nothing but lattices of tubes has one for eight quads, and maps without folds; beyond a sixth, rounding
-/// takes minutes and ends in folds.
-const MOST_SINGULAR_REL: f64 = 1.0 / 6.0;
+/// Coarse boxes with bores have one for five quads, and maps without folds; beyond a quarter, rounding takes minutes and
+/// ends in folds.
+const MOST_SINGULAR_REL: f64 = 0.25;
 
 impl<'a> Run<'a> {
     fn new(request: &'a PartRequest<'a>, options: &'a RemeshOptions, progress: &'a Progress) -> Self {
