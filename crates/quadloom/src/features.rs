@@ -24,6 +24,11 @@ const CREASE_CONTRAST: f64 = 12.0;
 /// Any piece of sharp edges shorter than this many target edges is dropped: no quad fits inside.
 const SHORT_PIECE_EDGES: f64 = 4.0;
 
+/// Target edges to either side over which a boundary has to turn for a corner.
+///
+/// More: notches of a few quads lose their corners. Less: the saw teeth of scans each become one, with no room between.
+const BOUNDARY_REACH_REL: f64 = 1.0;
+
 /// What is to be kept on one component.
 #[derive(Clone, Debug, Default)]
 pub struct FeatureRequest {
@@ -65,7 +70,7 @@ pub fn find_features(mesh: &TriMesh, request: &FeatureRequest, size: f64) -> Fea
         min_loose_length: LOOSE_CHAIN_EDGES * size,
         min_piece_length: SHORT_PIECE_EDGES * size,
         min_contrast: CREASE_CONTRAST,
-        boundary_reach: size,
+        boundary_reach: BOUNDARY_REACH_REL * size,
         ..FeatureOptions::default()
     };
     let (mut graph, dropped_edges) = FeatureGraph::from_kinds(mesh, kind.clone(), &options);
@@ -88,7 +93,7 @@ pub fn find_features(mesh: &TriMesh, request: &FeatureRequest, size: f64) -> Fea
     for e in trace_guides(mesh, &request.guides) {
         kind[e] = kind[e].or(Some(FeatureKind::Guide));
     }
-    let options = FeatureOptions { boundary_reach: size, ..FeatureOptions::default() };
+    let options = FeatureOptions { boundary_reach: BOUNDARY_REACH_REL * size, ..FeatureOptions::default() };
     graph = FeatureGraph::from_kinds(mesh, kind, &options).0;
     Features { graph, dropped_edges, missing_edges }
 }
