@@ -47,7 +47,7 @@ pub enum Verb {
 
 /// Arguments of `remesh`.
 #[derive(Args)]
-#[command(group(ArgGroup::new("size").args(["quads", "edge_length", "scale"])))]
+#[command(allow_negative_numbers = true, group(ArgGroup::new("size").args(["quads", "edge_length", "scale"])))]
 pub struct RemeshArgs {
     /// The surface: a file or sample:NAME
     pub input: String,
@@ -58,13 +58,13 @@ pub struct RemeshArgs {
     /// Number of quads [default: a quarter of the triangles, 500 to 50000]
     #[arg(long, value_name = "N", help_heading = "Size")]
     pub quads: Option<usize>,
-    /// Mean edge length, in units of the file
+    /// Mean edge length, in units of the file; above 0
     #[arg(long, value_name = "L", help_heading = "Size")]
     pub edge_length: Option<f64>,
-    /// Mean edge length, in mean edge lengths of the input
+    /// Mean edge length, in mean edge lengths of the input; above 0
     #[arg(long, value_name = "S", help_heading = "Size")]
     pub scale: Option<f64>,
-    /// How far the count may be off, percent
+    /// How far the count may be off, percent; above 0
     #[arg(long, value_name = "PERCENT", default_value_t = 10.0, help_heading = "Size")]
     pub tolerance: f64,
     /// How strongly sizes vary over the surface, 0 to 1
@@ -83,7 +83,7 @@ pub struct RemeshArgs {
     #[arg(long, value_name = "NAME", help_heading = "Size")]
     pub density: Option<String>,
 
-    /// Edges that bend by more are kept, degrees, or off
+    /// Edges that bend by more are kept, degrees above 0 and up to 180, or off
     #[arg(long, value_name = "DEG", default_value = "35", value_parser = parse_sharp_angle, help_heading = "Features")]
     pub sharp_angle: SharpAngle,
     /// Edges to keep besides: .sharp, .obj with l lines, or pairs of vertices
@@ -100,7 +100,7 @@ pub struct RemeshArgs {
     /// A cross field to follow: .rosy or .rawfield, on the faces of the input
     #[arg(long, value_name = "FILE", help_heading = "Directions")]
     pub field: Option<PathBuf>,
-    /// Singular vertices to use: lines of vertex number and index in quarters (valence 3 is 1)
+    /// Singular vertices to use: lines of vertex number and index in quarters (valence 3 is 1), or .sing
     #[arg(long, value_name = "FILE", help_heading = "Directions")]
     pub singularities: Option<PathBuf>,
     /// Join the irregular vertices nearest to two vertices of the input by a chain of quad edges; may be repeated
@@ -171,7 +171,7 @@ pub struct FieldArgs {
     /// Edges to follow besides: .sharp, .obj with l lines, or pairs of vertices
     #[arg(long, value_name = "FILE")]
     pub features: Option<PathBuf>,
-    /// Singular vertices to use: lines of vertex number and index in quarters (valence 3 is 1)
+    /// Singular vertices to use: lines of vertex number and index in quarters (valence 3 is 1), or .sing
     #[arg(long, value_name = "FILE")]
     pub singularities: Option<PathBuf>,
     /// How the run behaves.

@@ -251,3 +251,18 @@ fn components_get_shares_by_their_area() {
     let (points, quads) = read_quads(&bench.path("out.obj"));
     assert_eq!(topology(points.len(), &quads), (6, 3, 0));
 }
+
+#[test]
+fn two_outputs_in_one_file_are_refused_before_any_work() {
+    let bench = Bench::new();
+    bench.line("remesh sample:torus -o torus.obj --report ./torus.obj").fails_with(2, &["two outputs", "torus.obj"]);
+    assert!(bench.files().is_empty());
+}
+
+#[test]
+fn sizes_that_no_machine_holds_are_refused() {
+    let bench = Bench::new();
+    for size in ["--quads 99999999999", "--edge-length 1e-9"] {
+        bench.line(&format!("remesh sample:torus -o torus.obj {size}")).fails_with(2, &["more than"]);
+    }
+}

@@ -32,13 +32,24 @@ pub enum RemeshError {
         why: String,
     },
     /// An option has a value that cannot be meant.
-    #[error("--{option} {value}: not a value that this option can have; see `quadloom remesh --help`")]
+    #[error("--{option} {value}: out of range; `quadloom remesh --help` has the ranges")]
     Option {
         /// Its name on the command line.
         option: &'static str,
         /// Its value.
         value: f64,
     },
+    /// More quads than can be made.
+    #[error("{asked} quads are asked for, more than {most}: ask for larger ones (--quads, --edge-length, --scale)")]
+    TooMany {
+        /// Number of quads that the size leads to.
+        asked: usize,
+        /// Largest number.
+        most: usize,
+    },
+    /// Two results would go to one file.
+    #[error("two outputs go to {}: give each a file of its own", .0.display())]
+    SameFile(std::path::PathBuf),
     /// Some component has no valid quad mesh.
     #[error("{stage}: {why}")]
     NoResult {
@@ -75,7 +86,7 @@ impl RemeshError {
     /// The kind of failure.
     pub fn kind(&self) -> FailureKind {
         match self {
-            Self::Option { .. } | Self::NoSample(_) => FailureKind::Usage,
+            Self::Option { .. } | Self::TooMany { .. } | Self::SameFile(_) | Self::NoSample(_) => FailureKind::Usage,
             Self::File(_) | Self::NoFaces => FailureKind::Unreadable,
             Self::Input(_) | Self::Mismatch { .. } => FailureKind::Rejected,
             Self::NoResult { .. } => FailureKind::NoResult,

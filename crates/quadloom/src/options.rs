@@ -160,6 +160,9 @@ impl RemeshOptions {
     }
 }
 
+/// Most quads that can be asked for: more do not fit into the memory of ordinary machines.
+pub(crate) const MOST_QUADS: usize = 20_000_000;
+
 /// Ids that a message is about, for a viewer to highlight.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -12,7 +12,7 @@ use crate::measure::{
     chains_kept, distances, feature_report, field_summary, map_summary, relocation_summary, surface_report,
 };
 use crate::memory;
-use crate::options::{AUTO_QUADS_MAX, AUTO_QUADS_MIN, Elements, Fallback, RemeshOptions, Target};
+use crate::options::{AUTO_QUADS_MAX, AUTO_QUADS_MIN, Elements, Fallback, MOST_QUADS, RemeshOptions, Target};
 use crate::part::{Part, PartRequest, attempts_of_piece, remesh_part};
 use crate::report::{ComponentReport, CountReport, REPORT_VERSION, Report, Seconds};
 use crate::sizes::SizeRequest;
@@ -96,6 +96,9 @@ fn remesh_repaired(
     // 1. Components and their shares.
     let components = split_components(mesh).map_err(|e| no_result("components", e))?;
     let asked = target_count(mesh, options.target);
+    if asked > MOST_QUADS {
+        return Err(RemeshError::TooMany { asked, most: MOST_QUADS });
+    }
     let share = shares(&components, asked);
     let requests = requests(soup, repaired, &components, &share, options, &mut warnings)?;
     // 2. Each component by itself.

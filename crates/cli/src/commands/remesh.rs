@@ -10,7 +10,7 @@ use quadloom::{
     AdaptTo, FaceSoup, Fallback, GivenField, Method, RemeshError, RemeshOptions, RemeshResult, Report, Target, output,
     remesh, scene,
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Makes quads of a surface and writes what was asked for, all at the end.
@@ -49,10 +49,22 @@ fn check_outputs(args: &RemeshArgs) -> Result<(), RemeshError> {
         (&args.report, is_any_output),
         (&args.view, is_any_output),
     ];
-    others
-        .into_iter()
-        .filter_map(|(path, known)| Some((path.as_ref()?, known)))
-        .try_for_each(|(p, k)| check_output(p, k))
+    let mut taken = vec![absolute(&args.output)];
+    for (path, known) in others.into_iter().filter_map(|(path, known)| Some((path.as_ref()?, known))) {
+        check_output(path, known)?;
+        if taken.contains(&absolute(path)) {
+            return Err(RemeshError::SameFile(path.clone()));
+        }
+        taken.push(absolute(path));
+    }
+    Ok(())
+}
+
+/// A path with its folder resolved, so that two names of one file are the same.
+fn absolute(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
+    path.file_name().map_or_else(|| folder.clone(), |name| folder.join(name))
 }
 
 fn options(args: &RemeshArgs, soup: &FaceSoup) -> Result<RemeshOptions, RemeshError> {
