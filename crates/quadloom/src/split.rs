@@ -37,6 +37,11 @@ pub const QUADS_PER_TRIANGLE: usize = 3;
 /// thousandth, for steps and ditches of solids that are so much smaller than the quads asked for.
 const REFINEMENTS: usize = 10;
 
+/// Quads that all rounds together may make, and as many more per quad asked for: surfaces that fail everywhere would else
+/// be made finer and finer before their own triangles are tried.
+const LEAST_REFINED: f64 = 20_000.0;
+const REFINED_PER_QUAD: f64 = 8.0;
+
 /// Factor on the work mesh's edges around quads that fail.
 const REFINED_REL: f64 = 0.5;
 
@@ -68,7 +73,12 @@ pub fn split_surface(
     let fitted = fitted.ok_or_else(|| no_result("split", "there is no work mesh"))?;
     // 2. Finer where quads fail.
     let (mut paired, edge, mut relative) = (fitted.solution, fitted.size, uniform);
+    let mut room = LEAST_REFINED + REFINED_PER_QUAD * goal.quads;
     for round in 0..=REFINEMENTS {
+        room -= paired.quad_count() as f64;
+        if room < 0.0 {
+            break;
+        }
         let quads = finished(&paired.split()?, &reference, progress)?;
         let verification = verify(&quads, &reference);
         if verification.passed() {
