@@ -108,7 +108,7 @@ pub fn run(suite: &str, args: &[String]) -> Outcome {
     let markdown = format!("{}\nMade by `{}`.\n", result.markdown, settings.command_line());
     let text = settings.without_places(&format!("{document:#}\n"));
     write(&folder.join(format!("{suite}.json")), &text)?;
-    write(&folder.join(format!("{suite}.md")), &markdown)
+    write(&folder.join(format!("{suite}.md")), &settings.without_places(&markdown))
 }
 
 fn write(path: &std::path::Path, text: &str) -> Outcome {
