@@ -23,4 +23,4 @@ pub use quality::{
     Deviation, Distances, Histogram, IrregularVertices, QuadQuality, QualitySummary, facing_against, scaled_jacobian,
     split_at_centres,
 };
-pub use reference::Reference;
+pub use reference::{Facing, Reference};

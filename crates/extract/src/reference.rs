@@ -5,9 +5,21 @@
 
 use quadloom_mesh::closest::{ClosestPoint, PolylineIndex, closest_weights};
 use quadloom_mesh::{DVec3, FaceId, FeatureGraph, TriMesh};
+use std::collections::HashSet;
 
 /// Faces count as touched that are farther than the nearest one by at most this part of its size, for rounding.
 const TOUCHING_REL: f64 = 1e-9;
+
+/// How a quad lies to the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Facing {
+    /// As it should.
+    Along,
+    /// Its centre is nearest to a face that it faces against, but what it covers is not, as a whole.
+    Unclear,
+    /// Against the surface that it covers, whose unit normal this is.
+    Against(DVec3),
+}
 
 /// A triangle mesh with its features, and trees over both.
 #[derive(Clone, Debug)]
@@ -31,24 +43,61 @@ impl<'a> Reference<'a> {
         Self { mesh, features, closest: ClosestPoint::new(mesh), curves }
     }
 
-    /// Whether a quad faces against the surface: at its centre, and half way from there to at least two corners.
-    ///
-    /// One point alone may be nearest to the other side of a thin sheet.
+    /// Whether a quad faces against the surface that it covers.
     ///
     /// # Input      hint: a face near the quad
     pub fn faces_against(&self, corner: [DVec3; 4], hint: FaceId) -> bool {
-        self.points_against(corner, hint) >= 3
+        matches!(self.facing(corner, hint), Facing::Against(_))
     }
 
-    /// At how many of five points a quad faces against the surface: its centre, and half way from there to the corners;
-    /// 0 if it does not at its centre. A quad that is turned over has all five.
+    /// How a quad faces at five points: its centre, and half way from there to the corners.
+    ///
+    /// It faces against the surface if it does so at its centre and at two other points at least, and there against the
+    /// mean of the surface that it covers, not only against the nearest face: one point alone may be nearest to the other
+    /// side of a thin sheet, one face alone may be the side of a wrinkle that is smaller than the quad.
     ///
     /// # Input      hint: a face near the quad
-    pub fn points_against(&self, corner: [DVec3; 4], hint: FaceId) -> usize {
+    /// # Cost       five closest-point queries; where one of the nearest faces does face against the quad, also a visit of
+    /// the faces that it covers
+    pub fn facing(&self, corner: [DVec3; 4], hint: FaceId) -> Facing {
         let normal = (corner[2] - corner[0]).cross(corner[3] - corner[1]);
-        let centre = (corner[0] + corner[1] + corner[2] + corner[3]) / 4.0;
-        let against = |p: DVec3| self.mesh.vector_area(self.closest.query_near(p, hint).point.face).dot(normal) < 0.0;
-        if against(centre) { 1 + corner.iter().filter(|c| against(c.lerp(centre, 0.5))).count() } else { 0 }
+        let points = five_points(corner);
+        // 1. The nearest faces.
+        let nearest = |p: DVec3| self.mesh.vector_area(self.closest.query_near(p, hint).point.face).dot(normal) < 0.0;
+        let against = points.map(nearest);
+        if against.iter().all(|a| !a) {
+            return Facing::Along;
+        }
+        // 2. What the quad covers.
+        let reach = 0.5 * corner[0].distance(corner[2]).max(corner[1].distance(corner[3]));
+        let around = points.map(|p| self.normal_around(p, hint, reach));
+        let clearly = around.iter().filter(|n| n.dot(normal) < 0.0).count();
+        if around[0].dot(normal) < 0.0 && clearly >= 3 {
+            return Facing::Against(around[0].normalize_or_zero());
+        }
+        if against[0] { Facing::Unclear } else { Facing::Along }
+    }
+
+    /// The mean normal, not normalised, of the face nearest to a point and of those joined to it that have a vertex or
+    /// their centroid within reach of the point, up to the features.
+    fn normal_around(&self, p: DVec3, hint: FaceId, reach: f64) -> DVec3 {
+        let nearest = self.closest.query_near(p, hint);
+        let reach = (nearest.distance + reach).powi(2);
+        let is_near = |f: FaceId| {
+            let corner = self.mesh.face_vertices(f).map(|v| self.mesh.position(v));
+            let centroid = corner.iter().sum::<DVec3>() / 3.0;
+            centroid.distance_squared(p) <= reach || corner.iter().any(|c| c.distance_squared(p) <= reach)
+        };
+        let (mut seen, mut next) = (HashSet::from([nearest.point.face]), vec![nearest.point.face]);
+        let mut sum = DVec3::ZERO;
+        while let Some(f) = next.pop() {
+            sum += self.mesh.vector_area(f);
+            let joined =
+                self.mesh.face_half_edges(f).into_iter().filter(|&h| !self.features.is_feature(self.mesh.edge(h)));
+            let neighbours = joined.filter_map(|h| self.mesh.twin(h)).map(|t| self.mesh.face(t));
+            next.extend(neighbours.filter(|&g| is_near(g) && seen.insert(g)));
+        }
+        sum
     }
 
     /// Whether the surface faces like a quad at all of its corners: there at least one of the faces that the corner
@@ -76,6 +125,13 @@ impl<'a> Reference<'a> {
     }
 }
 
+/// The centre of a quad, and half way from there to its corners.
+fn five_points(corner: [DVec3; 4]) -> [DVec3; 5] {
+    let centre = corner.iter().sum::<DVec3>() / 4.0;
+    let [a, b, c, d] = corner.map(|c| c.lerp(centre, 0.5));
+    [centre, a, b, c, d]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,9 +148,29 @@ mod tests {
         let at = |x: f64, y: f64| bend(&DVec3::new(x, y, 1.0));
         let upper = [at(0.25, 0.25), at(0.75, 0.25), at(0.75, 0.75), at(0.25, 0.75)];
         let centre = upper.iter().sum::<DVec3>() / 4.0;
-        assert!(reference.points_against(upper, reference.closest.query(centre).point.face) > 0);
+        assert_ne!(reference.facing(upper, reference.closest.query(centre).point.face), Facing::Along);
         assert!(reference.faces_along_at_corners(upper));
         let [a, b, c, d] = upper;
         assert!(!reference.faces_along_at_corners([d, c, b, a]));
+    }
+
+    /// A plane with a fold that is smaller than the quad above it, and the same quad turned over.
+    #[test]
+    fn a_wrinkle_does_not_turn_the_surface_around() {
+        let line: Vec<(f64, f64)> = [(0.0, 0.0), (1.0, 0.0), (2.1, 0.3), (1.9, -0.3), (3.0, 0.0), (4.0, 0.0)].into();
+        let positions = line.iter().flat_map(|&(x, z)| [DVec3::new(x, 0.0, z), DVec3::new(x, 4.0, z)]).collect();
+        let faces: Vec<[u32; 3]> =
+            (0..5).flat_map(|i| [[2 * i, 2 * i + 2, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 1]]).collect();
+        let sheet = TriMesh::new(positions, &faces).expect("a sheet");
+        let features = FeatureGraph::none(&sheet);
+        let reference = Reference::new(&sheet, &features);
+        let quad = [(1.9, 1.9), (2.1, 1.9), (2.1, 2.1), (1.9, 2.1)].map(|(x, y)| DVec3::new(x, y, 0.0));
+        let wide = [(0.5, 0.5), (3.5, 0.5), (3.5, 3.5), (0.5, 3.5)].map(|(x, y)| DVec3::new(x, y, 0.0));
+        let hint = FaceId(4);
+        assert_eq!(reference.facing(wide, hint), Facing::Unclear);
+        let [a, b, c, d] = wide;
+        assert!(reference.faces_against([d, c, b, a], hint));
+        // One that is smaller than the fold stands for the fold's own side.
+        assert!(reference.faces_against(quad, hint));
     }
 }

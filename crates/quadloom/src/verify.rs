@@ -4,7 +4,7 @@
 //! the stages say of themselves. That quads are four different vertices, manifold and oriented is what
 //! [`QuadMesh`]'s constructor has checked.
 
-use quadloom_extract::{Reference, scaled_jacobian, split_at_centres};
+use quadloom_extract::{Facing, Reference, scaled_jacobian, split_at_centres};
 use quadloom_mesh::{ClosestPoint, DVec3, FaceId, FeatureGraph, QuadMesh, Summary, TriMesh, VertexId};
 use rayon::prelude::*;
 
@@ -17,7 +17,7 @@ pub struct Verification {
     pub found: Summary,
     /// Quads whose scaled Jacobian is not clearly positive, ascending.
     pub inverted: Vec<FaceId>,
-    /// Quads whose normal points against the surface's, ascending.
+    /// Quads that face against the surface they cover ([`Reference::faces_against`]), ascending.
     pub against: Vec<FaceId>,
     /// Quads of which that is so at the centre but not all around it, and not at their corners either, ascending; they
     /// do not keep the quads from passing. Beside a thin sheet, or on a rough surface, the face nearest to the centre is
@@ -62,16 +62,19 @@ const LEAST_JACOBIAN: f64 = 1e-4;
 pub fn verify(quads: &QuadMesh, reference: &Reference) -> Verification {
     let corners = |f: FaceId| quads.face_vertices(f).map(|v| quads.position(v));
     let all: Vec<FaceId> = quads.faces().collect();
-    let points: Vec<(FaceId, usize)> =
-        all.into_par_iter().map(|f| (f, points_against(corners(f), reference))).filter(|p| p.1 > 0).collect();
-    let those =
-        |wanted: fn(usize) -> bool| -> Vec<FaceId> { points.iter().filter(|p| wanted(p.1)).map(|p| p.0).collect() };
+    let nearest = |f: FaceId| reference.closest.query(corners(f).iter().sum::<DVec3>() / 4.0).point.face;
+    let doubtful = |f: FaceId| {
+        let facing = reference.facing(corners(f), nearest(f));
+        (facing != Facing::Along).then_some((f, matches!(facing, Facing::Against(_))))
+    };
+    let doubtful: Vec<(FaceId, bool)> = all.into_par_iter().filter_map(doubtful).collect();
+    let those = |against: bool| doubtful.iter().filter(move |d| d.1 == against).map(|d| d.0);
     Verification {
         expected: Summary::of(reference.mesh),
         found: Summary::of(quads),
         inverted: quads.faces().filter(|&f| scaled_jacobian(corners(f)) < LEAST_JACOBIAN).collect(),
-        against: those(|n| n >= 3),
-        unclear: those(|n| n < 3).into_iter().filter(|&f| !reference.faces_along_at_corners(corners(f))).collect(),
+        against: those(true).collect(),
+        unclear: those(false).filter(|&f| !reference.faces_along_at_corners(corners(f))).collect(),
     }
 }
 
@@ -102,12 +105,6 @@ pub fn lost_part(quads: &QuadMesh, surface: &TriMesh) -> Option<(VertexId, f64, 
 /// [`verify`] against a surface without features.
 pub fn verify_against(quads: &QuadMesh, surface: &TriMesh) -> Verification {
     verify(quads, &Reference::new(surface, &FeatureGraph::none(surface)))
-}
-
-/// At how many of five points a quad faces against the surface; 0 if it does not at its centre.
-fn points_against(corner: [DVec3; 4], reference: &Reference) -> usize {
-    let centre = corner.iter().sum::<DVec3>() / 4.0;
-    reference.points_against(corner, reference.closest.query(centre).point.face)
 }
 
 #[cfg(test)]

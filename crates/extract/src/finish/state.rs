@@ -6,7 +6,7 @@
 
 use super::ties::{Move, Tie, Ties, project};
 use crate::quality::{scaled_jacobian, worst_corner};
-use crate::reference::Reference;
+use crate::reference::{Facing, Reference};
 use quadloom_mesh::{DVec3, FaceId, QuadMesh, VertexId, VertexMap};
 use rayon::prelude::*;
 
@@ -30,15 +30,6 @@ const CLEARLY_FACING: f64 = 0.25;
 /// Quality at most of a quad some of whose points face against the surface: it counts as inverted, but is not worse than
 /// one that is degenerate, as the points may be nearest to the other side of a thin sheet.
 const UNCLEAR: f64 = 0.0;
-
-/// How a quad lies to the surface.
-enum Facing {
-    Along,
-    /// Some of its points are against the surface, its centre among them.
-    Unclear,
-    /// All of its points are against the surface, whose unit normal this is.
-    Against(DVec3),
-}
 
 /// Positions, ties and quality of a quad mesh on its way.
 pub(crate) struct State<'a> {
@@ -96,7 +87,7 @@ impl<'a> State<'a> {
     pub fn measure(&self, f: FaceId) -> f64 {
         let corner = self.corners(f);
         let jacobian = scaled_jacobian(corner);
-        match self.against(f, corner) {
+        match self.facing(f, corner) {
             Facing::Along => jacobian,
             Facing::Unclear => jacobian.min(UNCLEAR),
             Facing::Against(normal) => worst_corner(corner, normal).min(0.0) - 1e-9,
@@ -119,7 +110,7 @@ impl<'a> State<'a> {
     }
 
     /// How a quad faces.
-    fn against(&self, f: FaceId, corner: [DVec3; 4]) -> Facing {
+    fn facing(&self, f: FaceId, corner: [DVec3; 4]) -> Facing {
         let normal = (corner[2] - corner[0]).cross(corner[3] - corner[1]);
         let vertices = self.quads.face_vertices(f);
         let (mut on_surface, mut clear, mut hint) = (0, 0, None);
@@ -134,20 +125,7 @@ impl<'a> State<'a> {
             return Facing::Along;
         }
         let centre = corner.iter().sum::<DVec3>() / 4.0;
-        let query = |p: DVec3| match hint {
-            Some(face) => self.reference.closest.query_near(p, face),
-            None => self.reference.closest.query(p),
-        };
-        let at_centre = query(centre).point.face;
-        let area = self.reference.mesh.vector_area(at_centre);
-        if area.dot(normal) > 0.0 {
-            return Facing::Along;
-        }
-        match self.reference.points_against(corner, at_centre) {
-            0 => Facing::Along,
-            1..5 => Facing::Unclear,
-            _ => Facing::Against(area.normalize_or_zero()),
-        }
+        self.reference.facing(corner, hint.unwrap_or_else(|| self.reference.closest.query(centre).point.face))
     }
 
     /// Area-weighted normal of the quads around a vertex, not normalised.
