@@ -5,10 +5,14 @@
 
 use quadloom_mesh::closest::{ClosestPoint, PolylineIndex, closest_weights};
 use quadloom_mesh::{DVec3, FaceId, FeatureGraph, TriMesh};
-use std::collections::HashSet;
+use std::collections::{HashSet, VecDeque};
 
 /// Faces count as touched that are farther than the nearest one by at most this part of its size, for rounding.
 const TOUCHING_REL: f64 = 1e-9;
+
+/// Faces that a quad covers of which the mean normal is made, from the nearest one outwards: the noise of a scan is
+/// smaller than this many.
+const MOST_COVERED: usize = 200;
 
 /// How a quad lies to the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,10 +74,11 @@ impl<'a> Reference<'a> {
         }
         // 2. What the quad covers.
         let reach = 0.5 * corner[0].distance(corner[2]).max(corner[1].distance(corner[3]));
-        let around = points.map(|p| self.normal_around(p, hint, reach));
-        let clearly = around.iter().filter(|n| n.dot(normal) < 0.0).count();
-        if around[0].dot(normal) < 0.0 && clearly >= 3 {
-            return Facing::Against(around[0].normalize_or_zero());
+        let [centre, middles @ ..] = points;
+        let around = self.normal_around(centre, hint, reach);
+        let is_against = |p: &DVec3| self.normal_around(*p, hint, reach).dot(normal) < 0.0;
+        if around.dot(normal) < 0.0 && middles.iter().filter(|p| is_against(p)).take(2).count() == 2 {
+            return Facing::Against(around.normalize_or_zero());
         }
         if against[0] { Facing::Unclear } else { Facing::Along }
     }
@@ -88,9 +93,10 @@ impl<'a> Reference<'a> {
             let centroid = corner.iter().sum::<DVec3>() / 3.0;
             centroid.distance_squared(p) <= reach || corner.iter().any(|c| c.distance_squared(p) <= reach)
         };
-        let (mut seen, mut next) = (HashSet::from([nearest.point.face]), vec![nearest.point.face]);
-        let mut sum = DVec3::ZERO;
-        while let Some(f) = next.pop() {
+        let (mut seen, mut next) = (HashSet::from([nearest.point.face]), VecDeque::from([nearest.point.face]));
+        let (mut sum, mut visited) = (DVec3::ZERO, 0);
+        while let Some(f) = next.pop_front().filter(|_| visited < MOST_COVERED) {
+            visited += 1;
             sum += self.mesh.vector_area(f);
             let joined =
                 self.mesh.face_half_edges(f).into_iter().filter(|&h| !self.features.is_feature(self.mesh.edge(h)));

@@ -2,21 +2,23 @@
 //!
 //! In: a callback of the caller. Out: [`Progress`], a small value passed by reference to every stage.
 //! Holds: a stage that sees [`Progress::cancelled`] returns early with its own `Cancelled` error and
-//! leaves nothing half-made. Asking is cheap: an atomic load and a clock read.
+//! leaves nothing half-made. Asking is cheap: an atomic load and a clock read. Effort is counted, not timed, so that
+//! decisions by it are the same on any machine and for any number of threads.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Receives a stage's name and the finished fraction of it, in 0..=1.
 pub type ProgressSink = Box<dyn FnMut(&str, f64) + Send>;
 
-/// Cancellation flag, time limit and progress callback of one run; clones share all three.
+/// Cancellation flag, time limit, progress callback and effort of one run; clones share all four.
 #[derive(Clone, Default)]
 pub struct Progress {
     flag: Arc<AtomicBool>,
     deadline: Option<Instant>,
     sink: Option<Arc<Mutex<ProgressSink>>>,
+    effort: Arc<AtomicU64>,
 }
 
 /// The run was asked to stop, by its caller or by its time limit.
@@ -49,6 +51,21 @@ impl Progress {
     pub fn with_sink(mut self, sink: ProgressSink) -> Self {
         self.sink = Some(Arc::new(Mutex::new(sink)));
         self
+    }
+
+    /// The same run, with an effort of its own that starts at 0.
+    pub fn counting_anew(&self) -> Self {
+        Self { effort: Arc::default(), ..self.clone() }
+    }
+
+    /// Adds to the effort: operations in whose number a stage's cost is linear, in units of about a microsecond.
+    pub fn spend(&self, effort: usize) {
+        self.effort.fetch_add(effort as u64, Ordering::Relaxed);
+    }
+
+    /// The effort so far. Deterministic where no other thread is at work on the same run.
+    pub fn spent(&self) -> u64 {
+        self.effort.load(Ordering::Relaxed)
     }
 
     /// Whether the run should stop now.

@@ -56,6 +56,17 @@ struct State {
     active: Vec<Active>,
     /// aᵢᵀ·G·aⱼ of the active rows.
     coupling: Vec<Vec<f64>>,
+    /// Multiplications, but for a factor of about two.
+    effort: usize,
+}
+
+/// What rounding under rows gave.
+#[derive(Debug)]
+pub(crate) struct Bounded {
+    /// The integers.
+    pub integers: Vec<f64>,
+    /// Multiplications, but for a factor of about two.
+    pub effort: usize,
 }
 
 /// A row that was found violated, with its multiplier.
@@ -69,14 +80,14 @@ struct Active {
 /// Rounds all integers, nearest first, each to the nearest integer of the optimum under the rows.
 ///
 /// # Input      covariance: S⁻¹, k × k, row by row; relaxed: z*
-/// # Output     the integers; `None` where cancelled
+/// # Output     `None` where cancelled
 /// # Cost       k³ multiplications, and per rounding a few factorisations over the rows in force
 pub(crate) fn round_bounded(
     covariance: Vec<f64>,
     relaxed: &[f64],
     rows: &[LowerBound],
     cancelled: &dyn Fn() -> bool,
-) -> Option<Vec<f64>> {
+) -> Option<Bounded> {
     let mut state = State {
         covariance,
         unbounded: relaxed.to_vec(),
@@ -84,6 +95,7 @@ pub(crate) fn round_bounded(
         free: vec![true; relaxed.len()],
         active: Vec::new(),
         coupling: Vec::new(),
+        effort: 0,
     };
     state.settle(rows);
     while let Some(j) = state.nearest() {
@@ -93,7 +105,7 @@ pub(crate) fn round_bounded(
         state.condition(j, nearest_integer(state.z[j]));
         state.settle(rows);
     }
-    Some(state.z.iter().map(|z| z.round()).collect())
+    Some(Bounded { integers: state.z.iter().map(|z| z.round()).collect(), effort: state.effort })
 }
 
 impl State {
@@ -116,6 +128,7 @@ impl State {
         let pivot = column[j];
         self.free[j] = false;
         if pivot > CONSTANT * CONSTANT {
+            self.effort += k * (k + self.active.len());
             // 1. The other integers and their covariance.
             let shift = (value - self.unbounded[j]) / pivot;
             for i in (0..k).filter(|&i| column[i] != 0.0) {
@@ -142,6 +155,7 @@ impl State {
         loop {
             self.multiply(rows);
             self.place();
+            self.effort += (self.len() + rows.len()) * (1 + self.active.len() / 4);
             // Rows that have come to be missed join in.
             let missed = |r: usize| rows[r].least - rows[r].value(&self.z);
             let known: Vec<u32> = self.active.iter().map(|a| a.row).collect();
@@ -189,6 +203,7 @@ impl State {
         for _ in 0..3 * m + 10 {
             // 1. The pushing rows at equality; back to the first multiplier that would turn negative.
             let target = self.solve_for(&pushing, &missing);
+            self.effort += pushing.len().pow(3) / 6 + pushing.len() * m;
             let step = pushing
                 .iter()
                 .zip(&target)
@@ -340,7 +355,7 @@ mod tests {
                     LowerBound { terms, least: (value + slack).round() }
                 })
                 .collect();
-            let z = round_bounded(inverse(&s), &relaxed, &rows, &|| false).expect("not cancelled");
+            let z = round_bounded(inverse(&s), &relaxed, &rows, &|| false).expect("not cancelled").integers;
             prop_assert!(z.iter().all(|x| *x == x.round()));
             if !rows.iter().any(|row| row.is_missed(&z)) && let Some(least) = least_energy(&s, &relaxed, &rows) {
                 prop_assert!(energy(&s, &relaxed, &z) >= least - 1e-9);

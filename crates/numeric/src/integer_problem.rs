@@ -12,6 +12,7 @@ use crate::mending::mend;
 use crate::quadratic::Quadratic;
 use crate::reduce::{Substitution, reduce};
 use crate::solver::{DENSE_LIMIT, Rounding, SolveOptions, SolveReport, Solver, Stage, follow_integers};
+use std::cell::Cell;
 
 /// Σ coefficient·(free integer) + constant.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -46,6 +47,7 @@ pub struct IntegerProblem<'a> {
     covariance: Vec<f64>,
     relaxed: Vec<f64>,
     y: Vec<f64>,
+    effort: Cell<usize>,
 }
 
 impl Solver {
@@ -88,6 +90,7 @@ impl Solver {
             covariance,
             relaxed,
             y,
+            effort: Cell::default(),
         })
     }
 }
@@ -141,6 +144,15 @@ impl IntegerProblem<'_> {
         self.integers.is_empty()
     }
 
+    /// Multiplications of all roundings and mendings so far, but for a factor of about two.
+    pub fn effort(&self) -> usize {
+        self.effort.get()
+    }
+
+    fn spend(&self, effort: usize) {
+        self.effort.set(self.effort.get() + effort);
+    }
+
     /// A sum of variables as a sum over the free integers and a constant; `None` where continuous variables remain.
     pub fn over_integers(&self, terms: impl Iterator<Item = (usize, f64)>) -> Option<IntegerSum> {
         let (mut sum, mut constant) = (std::collections::BTreeMap::<u32, f64>::new(), 0.0);
@@ -174,7 +186,9 @@ impl IntegerProblem<'_> {
         let cancelled = || options.cancelled.is_some_and(|cancelled| cancelled());
         if kept.is_empty() {
             let covariance = self.covariance.clone();
-            return round_bounded(covariance, &self.relaxed, bounds, &cancelled).ok_or(SolveError::Cancelled);
+            let rounded = round_bounded(covariance, &self.relaxed, bounds, &cancelled).ok_or(SolveError::Cancelled)?;
+            self.spend(rounded.effort);
+            return Ok(rounded.integers);
         }
         let others = Restricted::new(self, kept);
         if others.free.is_empty() {
@@ -183,12 +197,14 @@ impl IntegerProblem<'_> {
         let (covariance, relaxed) = others.optimum()?;
         let bounds = others.bounds(bounds);
         let rounded = round_bounded(covariance, &relaxed, &bounds, &cancelled).ok_or(SolveError::Cancelled)?;
-        Ok(others.completed(&rounded))
+        self.spend(rounded.effort + others.free.len().pow(3) + self.len().pow(2));
+        Ok(others.completed(&rounded.integers))
     }
 
     /// What the energy is above the relaxation's, at the optimum for given values of the free integers.
     pub fn excess(&self, values: &[f64]) -> f64 {
         let away: Vec<f64> = values.iter().zip(&self.relaxed).map(|(value, z)| value - z).collect();
+        self.spend(self.len().pow(2));
         0.5 * self.precision.times(&away).iter().zip(&away).map(|(s, x)| s * x).sum::<f64>()
     }
 
@@ -197,7 +213,9 @@ impl IntegerProblem<'_> {
     /// # Input      bounds: as for [`IntegerProblem::round`]; values: one integer per free integer
     /// # Cost       k² for k integers, and k per jump
     pub fn mend(&self, bounds: &[LowerBound], values: &[f64]) -> Vec<f64> {
-        mend(&self.precision, &self.relaxed, bounds, values)
+        let (mended, effort) = mend(&self.precision, &self.relaxed, bounds, values);
+        self.spend(effort + self.len().pow(2));
+        mended
     }
 
     /// All variables at the optimum for given values of the free integers.

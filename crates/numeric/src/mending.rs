@@ -59,9 +59,9 @@ const SLACK: f64 = 1e-4;
 
 /// Lets integers jump, one at a time, until no row is missed or the limit is reached.
 ///
-/// # Output     the integers with the fewest missed rows that were seen
+/// # Output     the integers with the fewest missed rows that were seen, and the number of coefficients looked at
 /// # Cost       a few thousand operations per jump, and k for k integers
-pub(crate) fn mend(precision: &Precision, relaxed: &[f64], rows: &[LowerBound], start: &[f64]) -> Vec<f64> {
+pub(crate) fn mend(precision: &Precision, relaxed: &[f64], rows: &[LowerBound], start: &[f64]) -> (Vec<f64>, usize) {
     let mut jumps = Jumps::new(precision, relaxed, rows, start);
     let mut best = (jumps.missing(), start.to_vec());
     // 1. Jumps that lower the weighted sum of what is missing and of the energy; where there are none, missed rows
@@ -85,11 +85,11 @@ pub(crate) fn mend(precision: &Precision, relaxed: &[f64], rows: &[LowerBound], 
         }
     }
     if !jumps.missed.is_empty() {
-        return best.1;
+        return (best.1, work);
     }
     // 2. Jumps that lower the energy and leave all rows met.
-    jumps.polish();
-    jumps.z
+    work += jumps.polish();
+    (jumps.z, work)
 }
 
 impl<'a> Jumps<'a> {
@@ -178,9 +178,10 @@ impl<'a> Jumps<'a> {
         self.slope.iter_mut().zip(self.precision.row(i)).for_each(|(slope, s)| *slope += by * s);
     }
 
-    fn polish(&mut self) {
+    /// # Output     the number of coefficients looked at
+    fn polish(&mut self) -> usize {
         let k = self.z.len();
-        for _ in 0..POLISHING_PER_INTEGER * k {
+        for step in 0..POLISHING_PER_INTEGER * k {
             let allowed =
                 |i: usize, by: f64| self.rows_of[i].iter().all(|&(r, c)| self.shortfall[r as usize] - c * by <= SLACK);
             let best = (0..k)
@@ -188,9 +189,10 @@ impl<'a> Jumps<'a> {
                 .map(|(i, by)| (self.energy_change(i, by), i, by))
                 .filter(|&(change, i, by)| change < 0.0 && allowed(i, by))
                 .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            let Some((_, i, by)) = best else { return };
+            let Some((_, i, by)) = best else { return (step + 1) * k };
             self.jump(i, by);
         }
+        POLISHING_PER_INTEGER * k * k
     }
 }
 
@@ -218,7 +220,7 @@ mod tests {
             };
             let rows: Vec<LowerBound> = pairs.iter().filter(|(i, j)| i != j).map(row).collect();
             let start: Vec<f64> = relaxed.iter().map(|z| z.round()).collect();
-            let mended = mend(&identity(6), &relaxed, &rows, &start);
+            let (mended, _) = mend(&identity(6), &relaxed, &rows, &start);
             prop_assert!(mended.iter().all(|z| *z == z.round()));
             prop_assert!(!rows.iter().any(|row| row.is_missed(&mended)), "{rows:?} by {mended:?}");
         }
@@ -226,7 +228,7 @@ mod tests {
         #[test]
         fn no_single_step_is_better_once_rows_are_met(relaxed in prop::collection::vec(-4.0..4.0f64, 4)) {
             let rows = [LowerBound { terms: vec![(0, 1.0), (2, 1.0)], least: 3.0 }];
-            let mended = mend(&identity(4), &relaxed, &rows, &[0.0; 4]);
+            let (mended, _) = mend(&identity(4), &relaxed, &rows, &[0.0; 4]);
             let energy = |z: &[f64]| z.iter().zip(&relaxed).map(|(z, r)| 0.5 * (z - r) * (z - r)).sum::<f64>();
             for i in 0..4 {
                 for by in [-1.0, 1.0] {
@@ -245,7 +247,7 @@ mod tests {
             LowerBound { terms: vec![(0, -1.0)], least: 0.0 },
             LowerBound { terms: vec![(1, 1.0)], least: 1.0 },
         ];
-        let mended = mend(&identity(2), &[0.0; 2], &rows, &[0.0; 2]);
+        let (mended, _) = mend(&identity(2), &[0.0; 2], &rows, &[0.0; 2]);
         assert_eq!(rows.iter().filter(|row| row.is_missed(&mended)).count(), 1);
         assert_eq!(mended[1], 1.0);
     }

@@ -8,7 +8,7 @@
 
 use crate::placed::{PlacedMap, PlacementError};
 use crate::problem::{EnergyOptions, FaceGradient, jacobian};
-use crate::stiffen::PlacedSolver;
+use crate::stiffen::{APPROACH_EFFORT, PlacedSolver};
 use crate::untangle::{UntangleOptions, UntangleReport, untangle};
 use quadloom_mesh::{FaceMap, Progress, TriConnectivity};
 
@@ -109,6 +109,7 @@ impl Follower<'_> {
         let isotropic = EnergyOptions { anisotropy: 1.0 };
         let mut map = target.clone();
         solver.approach(self.mesh, &mut map, self.gradient, &weight, &isotropic, |f| wanted[f]);
+        self.progress.spend(APPROACH_EFFORT * self.mesh.face_count());
         let folded = map.folded_faces(self.mesh).len();
         let untangled = untangle(self.mesh, &mut map, self.gradient, options, self.progress);
         let left = map.folded_faces(self.mesh).len();

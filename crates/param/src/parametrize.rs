@@ -313,6 +313,7 @@ impl<'a> Parametrizer<'a> {
         let solve_options =
             SolveOptions { rounding, updates: self.updates, cancelled: Some(&cancelled), ..SolveOptions::default() };
         let solution = self.solver.solve(&energy, &solve_options).map_err(|e| solve_error(e, progress))?;
+        progress.spend(SOLVE_EFFORT * self.mesh.face_count());
         report.integers = solution.report.free_integers;
         report.energy = solution.energy;
         PlacedMap::new(self.mesh, &self.charts, &solution.x, GRID_UNIT).map_err(ParamError::Placement)
@@ -363,6 +364,7 @@ impl<'a> Parametrizer<'a> {
             progress.check()?;
             let energy = orientation_energy(self.mesh, &self.charts, gradient, &weight, &options.energy, scale);
             let solution = self.solver.solve(&energy, &direct).map_err(|e| solve_error(e, progress))?;
+            progress.spend(SOLVE_EFFORT * self.mesh.face_count());
             let mut map =
                 PlacedMap::new(self.mesh, &self.charts, &solution.x, SEAMLESS_UNIT).map_err(ParamError::Placement)?;
             if round < options.seamless_rounds {
@@ -422,7 +424,9 @@ impl<'a> Parametrizer<'a> {
         let solve_options = SolveOptions { cancelled: Some(&cancelled), ..SolveOptions::default() };
         let failed = |e| solve_error(e, progress);
         let problem = self.solver.integer_problem(&energy, &solve_options).map_err(failed)?;
+        progress.spend(SOLVE_EFFORT * self.mesh.face_count() + problem.len().pow(3) / MULTIPLICATIONS);
         let (z, separation) = separate(&tmesh, &seen, &options.separation, &problem, &solve_options).map_err(failed)?;
+        progress.spend(problem.effort() / MULTIPLICATIONS);
         progress.check()?;
         let x = problem.complete(&z).map_err(failed)?;
         let target = PlacedMap::new(self.mesh, &self.charts, &x, GRID_UNIT).map_err(ParamError::Placement)?;
@@ -453,6 +457,12 @@ impl<'a> Parametrizer<'a> {
 /// Grid units within which integer vertices are kept off each other and off features: rounding seldom moves two of them
 /// towards each other by more.
 const SIGHT: f64 = 2.5;
+
+/// Effort of a solve for a map, per face.
+const SOLVE_EFFORT: usize = 20;
+
+/// Multiplications of dense matrices in a unit of effort.
+const MULTIPLICATIONS: usize = 500;
 
 /// Newton steps that any map may take: a few regions with all their rings. Larger meshes may take one per face: a
 /// crumb of a hundred faces would else take as long as a whole model, and many models have a hundred crumbs.

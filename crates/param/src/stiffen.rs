@@ -74,6 +74,7 @@ pub fn stiffen(
             break;
         }
         report.iterations += 1;
+        progress.spend(APPROACH_EFFORT * mesh.face_count());
         // 3. Keep the best.
         let inverted = trial.folded_faces(mesh).len();
         let improved = 4 * inverted <= 3 * best;
@@ -90,6 +91,9 @@ pub fn stiffen(
     report.inverted_after = best;
     report
 }
+
+/// Effort of a solve for the points of a map, per face.
+pub(crate) const APPROACH_EFFORT: usize = 10;
 
 /// 1, and more around saddles, where the linear energy is the first to fold.
 pub(crate) fn first_weights(mesh: &TriConnectivity, saddles: &[Saddle], options: &StiffenOptions) -> FaceMap<f64> {

@@ -164,6 +164,7 @@ fn untangle_region(
     }
     // 2. Everything.
     steps += descend(&mut whole, map, options, progress);
+    progress.spend(EFFORT * steps as usize * region.len());
     if whole.folds(mesh, map) > folds_before {
         for (&v, p) in whole.vertices.iter().zip(before) {
             map.point[v] = p;
@@ -242,6 +243,9 @@ fn descend(problem: &mut Region, map: &mut PlacedMap, options: &UntangleOptions,
 ///
 /// Larger: more Newton steps. Smaller: slivers that lattice rounding could invert (it moves corners by 2^-25).
 const MIN_DETERMINANT: f64 = 1e-3;
+
+/// Effort of a Newton step per face of the region.
+const EFFORT: usize = 3;
 
 /// Newton steps spent on evening out a region once it is fold-free.
 const SETTLING_STEPS: u32 = 4;

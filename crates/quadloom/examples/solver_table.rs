@@ -82,6 +82,7 @@ fn field_rows(work: &WorkMesh) -> Result<Vec<Value>, Box<dyn Error>> {
                 json!({ "energy": report.energy, "integers": integers, "exact": proven })
             }
             Err(FieldError::Cancelled(_) | FieldError::Solve(SolveError::Cancelled)) => json!({ "given_up": true }),
+            Err(FieldError::Solve(SolveError::TooManyIntegers { integers, .. })) => refused(integers),
             Err(other) => return Err(other.into()),
         };
         rows.push(row("field", name, mesh, seconds, found));
@@ -117,11 +118,17 @@ fn map_rows(work: &WorkMesh) -> Result<Vec<Value>, Box<dyn Error>> {
                 json!({ "energy": solution.energy + constant, "integers": integers, "exact": exact })
             }
             Err(SolveError::Cancelled) => json!({ "given_up": true }),
+            Err(SolveError::TooManyIntegers { integers, .. }) => refused(integers),
             Err(other) => return Err(other.into()),
         };
         rows.push(row("map", name, mesh, seconds, found));
     }
     Ok(rows)
+}
+
+/// The exact search keeps a dense matrix over the integers and refuses where that is too large.
+fn refused(integers: usize) -> Value {
+    json!({ "integers": integers, "refused": true })
 }
 
 fn row(problem: &str, method: &str, mesh: &TriMesh, seconds: f64, found: Value) -> Value {

@@ -26,6 +26,9 @@ const STEPS: usize = 20;
 /// Looks at the noise; what is left after eighty steps is larger than a few triangles and no noise.
 const ROUNDS: usize = 4;
 
+/// Faces whose vertices are smoothed by one step in a unit of effort.
+const STEPPED_FACES: usize = 5;
+
 /// Inward and outward step of Taubin's filter, parts of the way to the neighbours' mean: the pass band ends at
 /// 1/λ + 1/μ = 0.1, waves of about fourteen edges.
 const KEEPING: [f64; 2] = [0.5, -0.526];
@@ -64,6 +67,7 @@ pub fn calm(
         let Ok(smooth) = work.mesh.with_positions(smoothed(&work.mesh, &fixed, filter)) else { break };
         work.mesh = smooth;
         moved = true;
+        progress.spend(STEPS * filter.len() * work.mesh.face_count() / STEPPED_FACES);
         // 2. Coarser, now that it can be.
         if too_fine {
             *work = work_mesh(&work.mesh, &work.features, edge, options, progress)?;

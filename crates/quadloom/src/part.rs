@@ -122,14 +122,20 @@ const ADAPTIVE_WORK_EDGE: f64 = 0.6;
 ///
 /// # Errors     no attempt passed and there is no fallback; given data that do not fit; cancellation
 pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Progress) -> Result<Part, RemeshError> {
-    let mut run = Run::new(request, options, progress);
+    let progress = progress.counting_anew();
+    let mut run = Run::new(request, options, &progress);
     // 1. The ladder, with all features, then with those that were named.
     let [found, named] = run.features();
     let any_sharp = found.graph.edge_count() > named.graph.edge_count();
     let mut failure = no_result("remesh", "no attempt was made");
+    let most_effort = run.most_effort();
     for (attempt, rung) in LADDER.iter().enumerate().take(request.attempts) {
         if !rung.sharp && !any_sharp && rung.same_sizes(&LADDER[0]) || run.is_hopeless(rung.sharp) {
             continue;
+        }
+        if run.progress.spent() > most_effort {
+            run.warn(WarningCode::Retried, "further attempts would take too long and were not made".into());
+            break;
         }
         let features = if rung.sharp { &found } else { &named };
         match run.attempt(rung, features) {
@@ -178,6 +184,12 @@ struct Run<'a> {
 /// Share of inverted triangles in a map beyond which other sizes of about the same will not help either.
 const HOPELESS_SHARE: f64 = 0.03;
 
+/// Effort that any surface may take before its triangles are split, fifteen to thirty seconds, and as much more per quad.
+///
+/// Attempts that succeed take up to a third of that, but for a few; with less, those few are split too.
+const LEAST_EFFORT: u64 = 30_000_000;
+const EFFORT_PER_QUAD: u64 = 500;
+
 /// Interior singular vertices per quad beyond which no map is looked for.
 ///
 /// Coarse boxes with bores have one for five quads, and maps without folds; beyond a quarter, rounding takes minutes and
@@ -197,6 +209,11 @@ impl<'a> Run<'a> {
             seconds: Seconds::default(),
             hopeless: [false; 2],
         }
+    }
+
+    /// Effort after which neither another attempt nor another size is begun.
+    fn most_effort(&self) -> u64 {
+        LEAST_EFFORT + EFFORT_PER_QUAD * self.request.quads as u64
     }
 
     /// Whether attempts with these features are not worth their time any more.
@@ -359,10 +376,10 @@ impl<'a> Run<'a> {
         let sizes = || relative_sizes(work, field, request.mesh, edge, &request.sizes, progress);
         let size = self.seconds.time("sizing", sizes)?;
         progress.report("integer-grid map", 0.0);
-        let goal = count_goal(quads, options);
+        let (goal, most_effort) = (count_goal(quads, options), self.most_effort());
         let ties: Vec<Tie> = ties.iter().flatten().copied().collect();
         let mut solve = |ties: &[Tie]| {
-            let wanted = MapRequest { method: options.method, ties };
+            let wanted = MapRequest { method: options.method, ties, most_effort };
             let solve = || integer_grid_map(work, field, &size, goal, edge, wanted, progress);
             let map = self.seconds.time("integer-grid map", solve)?;
             self.solves += map.solves;

@@ -37,10 +37,10 @@ pub const QUADS_PER_TRIANGLE: usize = 3;
 /// thousandth, for steps and ditches of solids that are so much smaller than the quads asked for.
 const REFINEMENTS: usize = 10;
 
-/// Quads that all rounds together may make, and as many more per quad asked for: surfaces that fail everywhere would else
-/// be made finer and finer before their own triangles are tried.
-const LEAST_REFINED: f64 = 20_000.0;
-const REFINED_PER_QUAD: f64 = 8.0;
+/// Effort that all rounds together may take before another one is begun, about ten seconds, and as much more per quad:
+/// surfaces that fail everywhere would else be made finer and finer before their own triangles are tried.
+const LEAST_EFFORT: u64 = 10_000_000;
+const EFFORT_PER_QUAD: u64 = 500;
 
 /// Factor on the work mesh's edges around quads that fail.
 const REFINED_REL: f64 = 0.5;
@@ -73,10 +73,9 @@ pub fn split_surface(
     let fitted = fitted.ok_or_else(|| no_result("split", "there is no work mesh"))?;
     // 2. Finer where quads fail.
     let (mut paired, edge, mut relative) = (fitted.solution, fitted.size, uniform);
-    let mut room = LEAST_REFINED + REFINED_PER_QUAD * goal.quads;
+    let most_effort = progress.spent() + LEAST_EFFORT + EFFORT_PER_QUAD * goal.quads as u64;
     for round in 0..=REFINEMENTS {
-        room -= paired.quad_count() as f64;
-        if room < 0.0 {
+        if round > 0 && progress.spent() > most_effort {
             break;
         }
         let quads = finished(&paired.split()?, &reference, progress)?;

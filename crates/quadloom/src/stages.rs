@@ -26,6 +26,9 @@ pub const WORK_EDGE_REL: f64 = 0.55;
 /// Most triangles that a work mesh is meant to have: beyond, its edges grow relative to the quads.
 const WORK_TRIANGLES_MAX: f64 = 250_000.0;
 
+/// Effort of a cross field with its local search, per face.
+const FIELD_EFFORT: usize = 80;
+
 /// Opposite singularities closer than this many quad edges are joined: nearer pairs collapse in the map.
 const CANCEL_DISTANCE_REL: f64 = 1.5;
 
@@ -122,6 +125,7 @@ pub fn cross_field(
     let (mut constraints, _) = FieldConstraints::from_features(mesh, &transport, &length, &work.binding);
     constraints.indices = singularities.to_vec();
     let options = FieldOptions { cancel_distance: CANCEL_DISTANCE_REL * quad_edge, ..FieldOptions::default() };
+    progress.spend(FIELD_EFFORT * mesh.face_count());
     solve_open_field(mesh, &transport, &length, &work.binding, &constraints, &options, progress).map_err(|e| match e {
         quadloom_field::FieldError::Cancelled(c) => c.into(),
         quadloom_field::FieldError::NoInteriorVertex { .. } | quadloom_field::FieldError::Unsatisfiable { .. } => {
@@ -170,12 +174,20 @@ pub fn relocated(
 }
 
 /// What maps are asked for besides sizes.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct MapRequest<'a> {
     /// How integers are found.
     pub method: Method,
     /// Singular vertices of the field that chains of quad edges are to join.
     pub ties: &'a [Tie],
+    /// Effort of the run after which no further solve is begun.
+    pub most_effort: u64,
+}
+
+impl Default for MapRequest<'_> {
+    fn default() -> Self {
+        Self { method: Method::default(), ties: &[], most_effort: u64::MAX }
+    }
 }
 
 /// Solves for integer-grid maps until one has the wanted number of quads.
@@ -192,6 +204,7 @@ pub fn integer_grid_map(
     request: MapRequest,
     progress: &Progress,
 ) -> Result<SizedMap, RemeshError> {
+    let mut solves = 0;
     let mut parametrizer =
         Parametrizer::with_ties(&work.mesh, &work.binding, field, request.ties).map_err(param_error)?;
     let method = match request.method {
@@ -211,6 +224,10 @@ pub fn integer_grid_map(
     let mut first = rounded.map(|r| r.solution);
     // 2. Maps without folds, with small corrections.
     let fitted = fit_count(goal, edge_length, |edge| {
+        solves += 1;
+        if solves > 1 && progress.spent() > request.most_effort {
+            return Ok(None);
+        }
         let rounded = match first.take() {
             Some(rounded) => Ok(rounded),
             None => parametrizer.rounded(&size.scaled(edge), &options, progress),

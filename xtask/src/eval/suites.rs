@@ -389,7 +389,8 @@ fn solver(settings: &Settings) -> Result<Evaluation, String> {
     let head = ["problem", "triangles", "integers", "method", "seconds", "energy", "against naive %", "optimum"];
     let text = format!(
         "# Ways to round: Rockerarm\n\nCross field and integer-grid map on isotropic meshes of the model; one thread. A \
-         dash for the energy: given up after three minutes; the exact search after one.\n\n{}",
+         dash for the energy: given up after three minutes; the exact search after one, or refused where its dense \
+         matrix would be too large.\n\n{}",
         grid(&head, &rows)
     );
     Ok(Evaluation { markdown: text, runs: list })

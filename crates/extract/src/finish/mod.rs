@@ -25,7 +25,7 @@ use state::State;
 use sweep::{Aim, sweep};
 use ties::Ties;
 use tips::reach_tips;
-use untangle::improve_worst;
+use untangle::{improve_beside, improve_worst};
 
 /// How quads are finished.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,6 +72,9 @@ impl Default for FinishOptions {
 /// Rings of quads around an inverted one whose features are given up at most, the quad itself being the first.
 const RELEASE_RINGS: usize = 4;
 
+/// Quality below which a quad is cured before all else, and at any price in the end.
+const LEAST_QUALITY: f64 = 0.05;
+
 /// Sweeps after vertices were pinned to joints: their neighbours move by a fraction of an edge.
 const SWEEPS_AFTER_PINNING: usize = 8;
 
@@ -98,6 +101,8 @@ pub struct FinishReport {
     pub creased: usize,
     /// Vertices that left their corner or curve because a quad stayed inverted otherwise.
     pub released: usize,
+    /// Moves of vertices to places beside the surface, because a quad stayed inverted otherwise.
+    pub lifted: usize,
     /// Quads inverted or facing against the surface, as they came.
     pub bad_before: usize,
     /// The same at the end.
@@ -156,7 +161,7 @@ pub fn finish(
     report.bad_before = bad_before;
     // 2. What is inverted is cured first: sweeps only keep what is good.
     if state.bad_quads() > 0 {
-        report.single_moves += improve_worst(&mut state, 0.05, options.rounds, progress)?;
+        report.single_moves += improve_worst(&mut state, LEAST_QUALITY, options.rounds, progress)?;
     }
     // 3. Sweeps.
     let shortest_step = SHORTEST_STEP_REL * options.settled_rel * edge;
@@ -201,11 +206,19 @@ pub fn finish(
         report.released += state.release_inverted(rings);
         report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
     }
+    // 9. So is the surface itself.
+    state.distrust_corners();
+    if state.bad_quads() > 0 {
+        report.lifted = improve_beside(&mut state, LEAST_QUALITY, options.rounds, progress)?;
+    }
     report.bad_after = state.bad_quads();
     let mesh = quads.mesh.with_positions(state.position)?;
     progress.report("finish", 1.0);
     Ok(Finished { mesh, report })
 }
+
+/// Effort of a sweep, per vertex.
+const SWEEP_EFFORT: usize = 4;
 
 /// Sweeps until no vertex moves farther than `settled`; returns how many sweeps.
 fn sweep_until(
@@ -218,6 +231,7 @@ fn sweep_until(
     for k in 0..sweeps {
         progress.check()?;
         progress.report("finish", k as f64 / sweeps as f64);
+        progress.spend(SWEEP_EFFORT * state.quads.vertex_count());
         if sweep(state, aim) < settled {
             return Ok(k + 1);
         }

@@ -42,6 +42,8 @@ pub(crate) struct State<'a> {
     pub pinned: VertexMap<bool>,
     /// Quality of each quad: its scaled Jacobian; negative where it faces against the surface.
     pub quality: Vec<f64>,
+    /// Whether quads face along the surface where its normals at their corners say so clearly.
+    trusting: bool,
 }
 
 impl<'a> State<'a> {
@@ -53,13 +55,19 @@ impl<'a> State<'a> {
         let position = quads.positions().clone();
         let tie = VertexMap::from_fn(quads.vertex_count(), |v| wanted[v].off_surface());
         let pinned = VertexMap::filled(quads.vertex_count(), false);
-        let mut state = Self { quads, reference, position, tie, along, pinned, quality: Vec::new() };
+        let mut state = Self { quads, reference, position, tie, along, pinned, quality: Vec::new(), trusting: true };
         state.quality = (0..quads.face_count()).into_par_iter().map(|f| state.measure(FaceId::new(f))).collect();
         let bad = state.bad_quads();
         let moves: Vec<Option<Move>> =
             quads.vertices().map(|v| Some(Move { position: tied[v], tie: wanted[v] })).collect();
         state.advance(&moves, PROJECTED_FLOOR);
         (state, bad)
+    }
+
+    /// From now on looks at the surface between the corners of all quads.
+    pub fn distrust_corners(&mut self) {
+        self.trusting = false;
+        self.quality = (0..self.quads.face_count()).into_par_iter().map(|f| self.measure(FaceId::new(f))).collect();
     }
 
     /// Number of inverted quads.
@@ -106,7 +114,14 @@ impl<'a> State<'a> {
         if bound <= limit {
             return bound;
         }
-        faces.iter().map(|&f| self.measure(f)).fold(f64::INFINITY, f64::min)
+        let mut worst = f64::INFINITY;
+        for &f in faces {
+            worst = worst.min(self.measure(f));
+            if worst <= limit {
+                break;
+            }
+        }
+        worst
     }
 
     /// How a quad faces.
@@ -121,7 +136,7 @@ impl<'a> State<'a> {
                 hint = hint.or(Some(face));
             }
         }
-        if on_surface >= 3 && clear == on_surface {
+        if self.trusting && on_surface >= 3 && clear == on_surface {
             return Facing::Along;
         }
         let centre = corner.iter().sum::<DVec3>() / 4.0;

@@ -16,6 +16,15 @@ const DIRECTIONS: usize = 8;
 /// Gain below which a move is not worth making.
 const LEAST_GAIN: f64 = 1e-6;
 
+/// Where vertices of the surface may go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Reach {
+    /// They stay on it.
+    OnSurface,
+    /// Beside it too, where it is too rough for quads.
+    Beside,
+}
+
 /// Improves the quads below `threshold`, in at most `rounds` rounds.
 ///
 /// # Output     number of moves
@@ -24,6 +33,29 @@ pub(crate) fn improve_worst(
     state: &mut State,
     threshold: f64,
     rounds: usize,
+    progress: &Progress,
+) -> Result<usize, Cancelled> {
+    improve_within(state, threshold, rounds, Reach::OnSurface, progress)
+}
+
+/// Improves the quads below `threshold` by vertices that leave the surface.
+///
+/// # Output     number of moves
+/// # Errors     cancellation
+pub(crate) fn improve_beside(
+    state: &mut State,
+    threshold: f64,
+    rounds: usize,
+    progress: &Progress,
+) -> Result<usize, Cancelled> {
+    improve_within(state, threshold, rounds, Reach::Beside, progress)
+}
+
+fn improve_within(
+    state: &mut State,
+    threshold: f64,
+    rounds: usize,
+    reach: Reach,
     progress: &Progress,
 ) -> Result<usize, Cancelled> {
     let mut moves = 0;
@@ -44,7 +76,9 @@ pub(crate) fn improve_worst(
                 continue;
             }
             tried[v] = moves + 1;
-            if improve(state, v, &faces) {
+            let bad = faces.iter().any(|&f| state.quality[f.index()] <= 0.0);
+            progress.spend(if bad { BAD_EFFORT } else { POOR_EFFORT } * faces.len());
+            if improve(state, v, &faces, reach) {
                 moves += 1;
                 faces.iter().for_each(|&f| changed[f] = moves + 1);
             }
@@ -56,19 +90,34 @@ pub(crate) fn improve_worst(
     Ok(moves)
 }
 
+/// Effort of trying a vertex, per quad at it, where one is inverted or faces against the surface: every place is measured.
+const BAD_EFFORT: usize = 150;
+
+/// The same where none is: most places are ruled out without a query.
+const POOR_EFFORT: usize = 20;
+
 /// Moves a vertex to the best place of the pattern around it, if one is better.
-fn improve(state: &mut State, v: VertexId, faces: &[FaceId]) -> bool {
+fn improve(state: &mut State, v: VertexId, faces: &[FaceId], reach: Reach) -> bool {
     let start = state.place(v);
     if start.tie == Tie::Fixed {
         return false;
     }
     let (mut best, mut best_worst) = (start, state.worst_above(faces, f64::NEG_INFINITY));
     let normal = state.vertex_normal(v);
-    for displacement in pattern(state, v, normal) {
+    let lifted = reach == Reach::Beside && matches!(start.tie, Tie::Surface { .. });
+    let mut displacements = pattern(state, v, normal);
+    if lifted {
+        let size = displacements.iter().map(|d| d.length()).fold(0.0, f64::max);
+        let up = normal.normalize_or_zero() * size;
+        displacements.extend(RADII_REL.iter().flat_map(|&r| [up * r, up * -r]));
+    }
+    for displacement in displacements {
         if !promising(state, v, displacement, faces, best_worst) {
             continue;
         }
-        let Some(there) = state.displaced(v, displacement, normal) else { continue };
+        let beside = Move { position: start.position + displacement, tie: start.tie.off_surface() };
+        let there = if lifted { Some(beside) } else { state.displaced(v, displacement, normal) };
+        let Some(there) = there else { continue };
         state.put(v, there);
         let found = state.worst_above(faces, best_worst + LEAST_GAIN);
         if found > best_worst + LEAST_GAIN {

@@ -168,9 +168,13 @@ pub fn isotropic(
     }
     remesher.separate_features()?;
     remesher.settle();
+    progress.spend(EFFORT * remesher.ticks as usize);
     let unchanged = || Remeshed::unchanged(mesh, features);
     Ok(remesher.finish(features).unwrap_or_else(|_| unchanged()))
 }
+
+/// Effort of looking at an edge or a vertex.
+const EFFORT: usize = 3;
 
 impl Remeshed {
     /// The input as its own result, with an empty report.
