@@ -51,7 +51,7 @@ pub enum Verb {
 pub struct RemeshArgs {
     /// The surface: a file or sample:NAME
     pub input: String,
-    /// Where the quads go: .obj, .ply, .off, .vtu or .glb
+    /// Where the quads go: .obj, .ply, .off, .vtu, or .glb or .stl, which have triangles only
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 
@@ -86,26 +86,33 @@ pub struct RemeshArgs {
     /// Edges that bend by more are kept, degrees above 0 and up to 180, or off
     #[arg(long, value_name = "DEG", default_value = "35", value_parser = parse_sharp_angle, help_heading = "Features")]
     pub sharp_angle: SharpAngle,
-    /// Edges to keep besides: .sharp, .obj with l lines, or pairs of vertices
+    /// Edges to keep besides: .sharp, .obj with l lines, or two vertex numbers from 0 a line
     #[arg(long, value_name = "FILE", help_heading = "Features")]
     pub features: Option<PathBuf>,
     /// Whether boundary curves are kept
     #[arg(long, value_name = "BOOL", default_value_t = true, action = clap::ArgAction::Set, num_args = 0..=1,
           default_missing_value = "true", help_heading = "Features")]
     pub keep_boundary: bool,
-    /// Curves to follow: .obj with l lines, or JSON
+    /// Curves to follow, in units of the file: .obj with l lines, or JSON, a list of curves, each a list of two or more
+    /// points: [[[0,0,1],[1,0,1]], [[0,1,0],[0,2,0],[0,2,1]]]
     #[arg(long, value_name = "FILE", help_heading = "Features")]
     pub guides: Option<PathBuf>,
 
     /// A cross field to follow: .rosy or .rawfield, on the faces of the input
     #[arg(long, value_name = "FILE", help_heading = "Directions")]
     pub field: Option<PathBuf>,
-    /// Singular vertices to use: lines of vertex number and index in quarters (valence 3 is 1), or .sing
-    #[arg(long, value_name = "FILE", help_heading = "Directions")]
+    /// All singular vertices: lines of vertex number from 0 and index in quarters (valence 3 is 1), or .sing
+    #[arg(long, value_name = "FILE", conflicts_with = "field", help_heading = "Directions")]
     pub singularities: Option<PathBuf>,
+    /// The list of singularities is not all of them: other vertices may be singular besides
+    #[arg(long, requires = "singularities", help_heading = "Directions")]
+    pub other_singularities: bool,
     /// Join the irregular vertices nearest to two vertices of the input by a chain of quad edges; may be repeated
     #[arg(long, value_name = "A,B", value_parser = parse_tie, help_heading = "Directions")]
     pub tie: Vec<[u32; 2]>,
+    /// The same for every pair of a file: two vertex numbers from 0 a line, # starts a comment
+    #[arg(long, value_name = "FILE", help_heading = "Directions")]
+    pub ties: Option<PathBuf>,
     /// Move singular vertices where that lowers the distortion of the map: slower by a factor of ten and more
     #[arg(long, help_heading = "Directions")]
     pub relocate: bool,
@@ -141,7 +148,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "SECONDS", help_heading = "Run")]
     pub time_limit: Option<f64>,
     /// Threads to use [default: all]; the result does not depend on it
-    #[arg(long, value_name = "N", help_heading = "Run")]
+    #[arg(long, value_name = "N", value_parser = parse_threads, help_heading = "Run")]
     pub threads: Option<usize>,
     /// Seed of everything that samples
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Run")]
@@ -168,12 +175,15 @@ pub struct FieldArgs {
     /// Edges that bend by more are followed, degrees, or off
     #[arg(long, value_name = "DEG", default_value = "35", value_parser = parse_sharp_angle)]
     pub sharp_angle: SharpAngle,
-    /// Edges to follow besides: .sharp, .obj with l lines, or pairs of vertices
+    /// Edges to follow besides: .sharp, .obj with l lines, or two vertex numbers from 0 a line
     #[arg(long, value_name = "FILE")]
     pub features: Option<PathBuf>,
-    /// Singular vertices to use: lines of vertex number and index in quarters (valence 3 is 1), or .sing
+    /// All singular vertices: lines of vertex number from 0 and index in quarters (valence 3 is 1), or .sing
     #[arg(long, value_name = "FILE")]
     pub singularities: Option<PathBuf>,
+    /// The list of singularities is not all of them: other vertices may be singular besides
+    #[arg(long, requires = "singularities")]
+    pub other_singularities: bool,
     /// How the run behaves.
     #[command(flatten)]
     pub run: RunArgs,
@@ -210,7 +220,7 @@ pub struct StatsArgs {
 pub struct ConvertArgs {
     /// The mesh: a file or sample:NAME
     pub input: String,
-    /// Where it goes: .obj, .ply, .off, .vtu or .glb
+    /// Where it goes: .obj, .ply, .off, .vtu, or .glb or .stl, which have triangles only
     pub output: PathBuf,
 }
 
@@ -239,9 +249,18 @@ fn parse_sharp_angle(text: &str) -> Result<SharpAngle, String> {
     Ok(SharpAngle(Some(degrees)))
 }
 
+fn parse_threads(text: &str) -> Result<usize, String> {
+    let threads = text.parse().ok().filter(|&n: &usize| n > 0);
+    threads.ok_or_else(|| "a number from 1 is needed; without --threads all are used".into())
+}
+
 fn parse_tie(text: &str) -> Result<[u32; 2], String> {
     let ends: Option<Vec<u32>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
-    ends.and_then(|ends| ends.try_into().ok()).ok_or_else(|| "two vertex numbers from 0, as in 17,204".into())
+    match ends.as_deref() {
+        Some(&[a, b]) if a != b => Ok([a, b]),
+        Some(&[a, _]) => Err(format!("vertex {a} cannot be tied to itself; name two different vertices")),
+        _ => Err("two vertex numbers from 0 are needed, as in 17,204".into()),
+    }
 }
 
 /// How progress is shown.

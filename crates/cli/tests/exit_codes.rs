@@ -16,6 +16,7 @@ fn wrong_usage_is_2() {
     bench.line("remesh sample:teacup -o out.obj").fails_with(2, &["teacup", "samples"]);
     bench.line("remesh sample:torus -o out.obj --quads 0").fails_with(2, &["--quads"]);
     bench.line("remesh sample:torus -o out.obj --adaptivity 3").fails_with(2, &["--adaptivity"]);
+    bench.line("remesh sample:torus -o out.obj --threads 0").fails_with(2, &["--threads"]);
     assert!(bench.files().is_empty());
 }
 
@@ -45,7 +46,10 @@ fn unreadable_input_is_3() {
 fn unwritable_output_is_3_and_found_before_anything_is_computed() {
     let bench = Bench::new();
     bench.line("remesh sample:lattice -o nowhere/out.obj").fails_with(3, &["nowhere", "folder"]);
-    bench.line("remesh sample:lattice -o out.xyz").fails_with(3, &["out.xyz"]);
+    bench.line("remesh sample:lattice -o out.xyz").fails_with(3, &["out.xyz", ".vtu"]);
+    bench.line("remesh sample:lattice -o out.obj --view v.txt").fails_with(3, &["v.txt", ".html"]);
+    bench.line("remesh sample:lattice -o out.obj --write-field f.txt").fails_with(3, &["f.txt", ".rosy"]);
+    bench.line("view sample:lattice -o v.obj").fails_with(3, &["v.obj", ".html"]);
     bench.line("remesh sample:lattice -o out.obj --report nowhere/r.json").fails_with(3, &["nowhere"]);
     assert!(bench.files().is_empty());
 }
@@ -67,6 +71,10 @@ fn a_surface_with_one_side_is_4() {
     bench.write("moebius.obj", text);
     bench.line("remesh moebius.obj -o out.obj").fails_with(4, &["orientable", "edge"]);
     bench.line("remesh moebius.obj -o out.obj --quiet").fails_with(4, &["orientable"]);
+    // No cure is promised that there is none.
+    let check = bench.line("check moebius.obj");
+    assert_eq!(check.code, 4);
+    assert!(check.stdout.contains("cannot repair") && !check.stdout.contains("repairs this"), "{}", check.stdout);
     assert!(!bench.path("out.obj").exists());
 }
 
@@ -78,8 +86,65 @@ fn files_that_do_not_fit_the_input_are_refused() {
     bench.write("far.txt", "99999999 1\n");
     bench.line("remesh sample:cube -o out.obj --singularities far.txt").fails_with(4, &["99999999"]);
     bench.line("remesh sample:cube -o out.obj --tie 0,99999999").fails_with(4, &["--tie", "99999999"]);
-    bench.line("remesh sample:cube -o out.obj --tie 0").fails_with(2, &["--tie", "17,204"]);
+    bench.write("pairs.txt", "# edges\n0 1\n\n3 99999999\n");
+    let line = ["pairs.txt", "line 4", "vertex 99999999"];
+    bench.line("remesh sample:cube -o out.obj --features pairs.txt").fails_with(4, &line);
+    bench.line("field sample:cube -o out.rosy --features pairs.txt").fails_with(4, &line);
+    bench.line("remesh sample:cube -o out.obj --ties pairs.txt").fails_with(4, &["99999999"]);
+    bench.write("one.sharp", "1\n1,99999999,0\n");
+    bench.line("remesh sample:cube -o out.obj --features one.sharp").fails_with(4, &["one.sharp", "line 2"]);
     assert!(!bench.path("out.obj").exists());
+}
+
+#[test]
+fn curves_that_cannot_be_read_name_line_and_element() {
+    let bench = Bench::new();
+    bench.write("lines.obj", "v 0 0 0\nv 1 0 0\nl 1 9\n");
+    let curve = ["lines.obj", "line 3", "vertex 9", "polyline"];
+    for option in ["--features", "--guides"] {
+        let ran = bench.line(&format!("remesh sample:cube -o out.obj {option} lines.obj"));
+        ran.fails_with(3, &curve);
+        assert!(!ran.stderr.contains("face"), "{}", ran.stderr);
+    }
+    bench.write("short.json", "[\n [[0,0,0],[1,0,0]],\n [[0,0,0],\n  {\"point\":[1,2]}]\n]\n");
+    let element = ["short.json", "line 4", "curve 2, point 2", "[[[x, y, z]"];
+    bench.line("remesh sample:cube -o out.obj --guides short.json").fails_with(3, &element);
+    bench.write("object.json", "{\"curves\": []}");
+    bench.line("remesh sample:cube -o out.obj --guides object.json").fails_with(3, &["object.json", "[[[x, y, z]"]);
+}
+
+#[test]
+fn ties_of_a_vertex_to_itself_are_refused_at_once() {
+    let bench = Bench::new();
+    bench.line("remesh sample:lattice -o out.obj --tie 0").fails_with(2, &["--tie", "17,204"]);
+    bench.line("remesh sample:lattice -o out.obj --tie 5,5").fails_with(2, &["--tie", "vertex 5"]);
+    bench.write("ties.txt", "# both ends\n3 4\n5 5\n");
+    bench.line("remesh sample:lattice -o out.obj --ties ties.txt").fails_with(3, &["ties.txt", "line 3", "vertex 5"]);
+    assert!(!bench.path("out.obj").exists());
+}
+
+#[test]
+fn lists_of_singular_vertices_that_no_quad_mesh_has_are_refused_at_once() {
+    let bench = Bench::new();
+    let refused = |list: &str, words: &[&str]| {
+        bench.write("list.txt", list);
+        bench.line("remesh sample:torus -o out.obj --singularities list.txt").fails_with(4, words);
+        bench.line("field sample:torus -o out.rosy --singularities list.txt").fails_with(4, words);
+    };
+    refused("4 -1\n", &["sum to -1 quarters", "needs 0", "--other-singularities"]);
+    refused("4 1\n9 1\n", &["sum to 2 quarters", "needs 0"]);
+    refused("4 1\n4 -1\n", &["vertex 4", "twice"]);
+    refused("4 4\n9 -4\n", &["vertex 4", "valence 0"]);
+    refused("4 1\n900 -1\n", &["no quad mesh of a torus"]);
+    refused("4 1\n99999999 -1\n", &["99999999"]);
+    bench.write("list.txt", "9 1\n");
+    bench.line("remesh sample:sphere -o out.obj --singularities list.txt").fails_with(4, &["sum to 1", "needs 8"]);
+    let near: String = (0..4).map(|v| format!("{v} 1\n{} -1\n", v + 4)).collect();
+    bench.write("list.txt", near);
+    let close = bench.line("remesh sample:torus -o out.obj --quads 500 --singularities list.txt");
+    close.fails_with(4, &["nearer to each other"]);
+    bench.line("remesh sample:torus -o out.obj --other-singularities").fails_with(2, &["--singularities"]);
+    assert_eq!(bench.files(), ["list.txt"]);
 }
 
 #[test]

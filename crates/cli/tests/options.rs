@@ -178,6 +178,96 @@ fn prescribed_singular_vertices_are_the_irregular_ones() {
 }
 
 #[test]
+fn a_written_list_of_singular_vertices_can_be_given_back() {
+    let bench = Bench::new();
+    bench.line("field sample:genus2 -o g.rosy --write-singularities g.sing").succeeds();
+    bench.line("remesh sample:genus2 -o out.obj --quads 1500 --singularities g.sing --report r.json").succeeds();
+    let summary = &report(&bench, "r.json")["singularities"];
+    let given = summary["given"].as_array().expect("a list");
+    assert!(given.len() >= 8 && summary["others"] == 0, "{summary}");
+    // Seen in the quads without the project's own reader.
+    let (points, quads) = read_quads(&bench.path("out.obj"));
+    let mut valence = vec![0; points.len()];
+    quads.iter().flatten().for_each(|&v| valence[v] += 1);
+    assert_eq!(valence.iter().filter(|&&n| n != 4).count(), given.len());
+    let (surface, _) = shape(&bench, "genus2");
+    let edge = given.iter().map(|s| s["distance"].as_f64().expect("a distance")).fold(0.0, f64::max);
+    for s in given {
+        let at = surface[s["vertex"].as_u64().expect("a number") as usize];
+        let wanted = 4 - s["quarters"].as_i64().expect("an index");
+        let near = (0..points.len()).filter(|&v| i64::from(valence[v]) == wanted).map(|v| norm(sub(points[v], at)));
+        assert!(near.fold(f64::INFINITY, f64::min) <= edge + 1e-9, "{s}");
+    }
+}
+
+#[test]
+fn singular_vertices_that_nobody_listed_are_told_unless_they_are_welcome() {
+    let bench = Bench::new();
+    // A tube with one vertex of valence 3 needs others: both boundaries are straight in the field.
+    let (points, _) = shape(&bench, "cylinder");
+    let height = |pick: fn(f64, f64) -> f64| points.iter().map(|p| p[2]).fold(points[0][2], pick);
+    let middle = 0.5 * (height(f64::min) + height(f64::max));
+    let off = |v: &usize| (points[*v][2] - middle).abs();
+    let v = (0..points.len()).min_by(|a, b| off(a).total_cmp(&off(b))).expect("a vertex");
+    bench.write("one.txt", format!("{v} 1\n"));
+    let line = "remesh sample:cylinder -o out.obj --quads 600 --tolerance 30 --singularities one.txt";
+    let ran = bench.line(line);
+    ran.fails_by_missing(&["besides the given ones", "--other-singularities"]);
+    bench.line(&format!("{line} --other-singularities --report r.json")).succeeds();
+    let summary = &report(&bench, "r.json")["singularities"];
+    assert_eq!(summary["given"][0]["found"], true, "{summary}");
+    assert!(summary["others"].as_u64() > Some(0), "{summary}");
+}
+
+#[test]
+fn ties_come_from_a_file_too() {
+    let bench = Bench::new();
+    bench.write("ties.txt", "# a torus has nothing to tie\n5, 77\n9 100\n");
+    let ran = bench.line("remesh sample:torus -o out.obj --quads 400 --ties ties.txt --tie 1,2 --report r.json");
+    ran.fails_by_missing(&["vertices 5 and 77", "no irregular vertex", "vertices 1 and 2"]);
+    let report = report(&bench, "r.json");
+    assert_eq!(report["ties"].as_array().map(Vec::len), Some(3));
+    assert_eq!(report["ties"][1]["missed"], "nothing_irregular");
+    assert!(report["units"]["distance"].as_str().is_some_and(|u| u.contains("percent")), "{}", report["units"]);
+}
+
+#[test]
+fn a_default_count_says_why_it_is_that() {
+    let bench = Bench::new();
+    bench.write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let ran = bench.line("remesh one.obj -o out.obj");
+    assert!(ran.stderr.contains("aimed at 500 quads, the fewest"), "{}", ran.stderr);
+    let ran = bench.line("remesh sample:torus -o out.obj");
+    assert!(ran.stderr.contains("a quarter of the triangles"), "{}", ran.stderr);
+}
+
+#[test]
+fn distances_have_their_unit() {
+    let bench = Bench::new();
+    bench.line("remesh sample:torus -o out.obj --quads 400").succeeds();
+    let ran = bench.line("stats out.obj --reference sample:torus");
+    ran.succeeds();
+    assert!(ran.stdout.contains("% of the reference's diagonal"), "{}", ran.stdout);
+    let ran = bench.line("stats out.obj --reference sample:torus --json");
+    let stats: Value = serde_json::from_str(&ran.stdout).expect("JSON");
+    assert!(stats["distance"]["unit"].as_str().is_some_and(|u| u.contains("percent")), "{stats}");
+    let largest = stats["distance"]["to_reference"]["max"].as_f64().expect("a number");
+    assert!(largest > 0.0 && largest < 2.0, "{largest}");
+    bench.line("stats sample:sphere --reference sample:torus").fails_with(4, &["--reference", "quads"]);
+}
+
+#[test]
+fn quads_in_a_format_of_triangles_are_split_aloud() {
+    let bench = Bench::new();
+    bench.line("remesh sample:torus -o out.obj --quads 400").succeeds();
+    for name in ["out.stl", "out.glb"] {
+        let ran = bench.line(&format!("convert out.obj {name}"));
+        ran.succeeds();
+        assert!(ran.stderr.contains("triangles only") && ran.stderr.contains("were split"), "{}", ran.stderr);
+    }
+}
+
+#[test]
 fn a_written_field_can_be_given_back() {
     let bench = Bench::new();
     bench.line("remesh sample:genus2 -o first.obj --quads 800 --write-field field.rosy").succeeds();

@@ -41,8 +41,12 @@ pub enum ContentDefect {
     #[error("vertex number 0, but OBJ counts from 1 (or backwards from -1)")]
     IndexZero,
     /// A vertex number names no vertex.
-    #[error("vertex {index}, but the file has only {count} vertices; delete this face or restore the missing vertices")]
+    #[error(
+        "vertex {index}, but the file has only {count} vertices; delete this {what} or restore the missing vertices"
+    )]
     IndexOutOfRange {
+        /// What uses the vertex.
+        what: &'static str,
         /// The number as it is written, in the counting of the format.
         index: i64,
         /// Number of vertices.
@@ -151,10 +155,12 @@ pub enum IoError {
         what: String,
     },
     /// The extension of the output is not one that is written.
-    #[error("{}: cannot write this kind of file; use one of .obj .ply .off .vtu .glb .stl", path.display())]
+    #[error("{}: cannot write this kind of file here; use {expected}", path.display())]
     UnknownOutput {
         /// The path asked for.
         path: PathBuf,
+        /// The extensions that would do.
+        expected: &'static str,
     },
     /// The values to be written are not a surface.
     #[error("{}: refused to write: {what}", path.display())]
@@ -222,7 +228,7 @@ impl IoError {
             | Self::NoFaces { path, .. }
             | Self::NoPolylines { path }
             | Self::Mismatch { path, .. }
-            | Self::UnknownOutput { path }
+            | Self::UnknownOutput { path, .. }
             | Self::InvalidSurface { path, .. }
             | Self::NoFolder { path }
             | Self::WriteDenied { path }

@@ -39,15 +39,15 @@ pub enum FeatureFile {
     Sides {
         /// The file.
         path: PathBuf,
-        /// The edges, in the order of the file; an edge may come once per face.
-        sides: Vec<SharpSide>,
+        /// The edges, in the order of the file, each with its line; an edge may come once per face.
+        sides: Vec<(u64, SharpSide)>,
     },
     /// Pairs of vertex numbers, from a text file.
     Pairs {
         /// The file.
         path: PathBuf,
-        /// The edges, in the order of the file, counted from 0.
-        pairs: Vec<[u32; 2]>,
+        /// The edges, in the order of the file, each with its line; vertices are counted from 0.
+        pairs: Vec<(u64, [u32; 2])>,
     },
     /// Polylines with positions of their own, from an OBJ file.
     Curves {
@@ -66,14 +66,15 @@ pub enum FeatureFile {
 pub fn read_features(path: impl AsRef<Path>) -> Result<FeatureFile, IoError> {
     let given = path.as_ref();
     let path = given.to_path_buf();
+    let in_file = |fault: Fault| fault.in_file(given);
     let extension = given.extension().map(|e| e.to_ascii_lowercase());
     match extension.as_ref().and_then(|e| e.to_str()) {
-        Some("sharp") => Ok(FeatureFile::Sides { sides: read_sharp(given)?, path }),
+        Some("sharp") => Ok(FeatureFile::Sides { sides: parse_sharp(&read_bytes(given)?).map_err(in_file)?, path }),
         Some("obj") => {
             let (positions, polylines) = read_polylines(given)?;
             Ok(FeatureFile::Curves { path, positions, polylines })
         }
-        _ => Ok(FeatureFile::Pairs { pairs: read_vertex_pairs(given)?, path }),
+        _ => Ok(FeatureFile::Pairs { pairs: parse_pairs(&read_bytes(given)?).map_err(in_file)?, path }),
     }
 }
 
@@ -91,7 +92,8 @@ pub(crate) fn read_polylines(path: &Path) -> Result<(Vec<DVec3>, Vec<Vec<u32>>),
 /// # Errors     every [`IoError`] of reading; a side above 2 is one
 pub fn read_sharp(path: impl AsRef<Path>) -> Result<Vec<SharpSide>, IoError> {
     let path = path.as_ref();
-    parse_sharp(&read_bytes(path)?).map_err(|fault| fault.in_file(path))
+    let sides = parse_sharp(&read_bytes(path)?).map_err(|fault| fault.in_file(path))?;
+    Ok(sides.into_iter().map(|(_, side)| side).collect())
 }
 
 /// Writes a `.sharp` file.
@@ -104,12 +106,13 @@ pub fn write_sharp(path: impl AsRef<Path>, sides: &[SharpSide]) -> Result<(), Io
     })
 }
 
-/// Reads a text of vertex pairs, one pair a line, counted from 0; `#` starts a comment.
+/// Reads a text of vertex pairs, one pair a line, counted from 0, between blanks or commas; `#` starts a comment.
 ///
-/// # Errors     every [`IoError`] of reading
+/// # Errors     every [`IoError`] of reading; a pair of a vertex with itself is one
 pub fn read_vertex_pairs(path: impl AsRef<Path>) -> Result<Vec<[u32; 2]>, IoError> {
     let path = path.as_ref();
-    parse_pairs(&read_bytes(path)?).map_err(|fault| fault.in_file(path))
+    let pairs = parse_pairs(&read_bytes(path)?).map_err(|fault| fault.in_file(path))?;
+    Ok(pairs.into_iter().map(|(_, pair)| pair).collect())
 }
 
 /// Writes a text of vertex pairs, one pair a line, counted from 0.
@@ -119,7 +122,7 @@ pub fn write_vertex_pairs(path: impl AsRef<Path>, pairs: &[[u32; 2]]) -> Result<
     write_atomically(path.as_ref(), |out| pairs.iter().try_for_each(|[a, b]| writeln!(out, "{a} {b}")))
 }
 
-fn parse_sharp(bytes: &[u8]) -> Result<Vec<SharpSide>, Fault> {
+fn parse_sharp(bytes: &[u8]) -> Result<Vec<(u64, SharpSide)>, Fault> {
     let mut lines = Lines::new(bytes);
     let [count] = integers(&mut lines, "the number of edges")?;
     if count < 0 {
@@ -133,7 +136,7 @@ fn parse_sharp(bytes: &[u8]) -> Result<Vec<SharpSide>, Fault> {
             let text = format!("face {face}, side {side}: faces count from 0, sides are 0, 1 or 2");
             return Err(Fault::line(line.number, ContentDefect::Malformed(text)));
         };
-        sides.push(SharpSide { face, side, convex: convex != 0 });
+        sides.push((line.number, SharpSide { face, side, convex: convex != 0 }));
     }
     match lines.next_content() {
         Some(line) => {
@@ -144,7 +147,7 @@ fn parse_sharp(bytes: &[u8]) -> Result<Vec<SharpSide>, Fault> {
     }
 }
 
-fn parse_pairs(bytes: &[u8]) -> Result<Vec<[u32; 2]>, Fault> {
+fn parse_pairs(bytes: &[u8]) -> Result<Vec<(u64, [u32; 2])>, Fault> {
     let mut lines = Lines::new(bytes);
     let mut pairs = Vec::new();
     while let Some(line) = lines.next_content() {
@@ -153,7 +156,11 @@ fn parse_pairs(bytes: &[u8]) -> Result<Vec<[u32; 2]>, Fault> {
             let text = format!("vertices {a} and {b}: vertex numbers count from 0");
             return Err(Fault::line(line.number, ContentDefect::Malformed(text)));
         };
-        pairs.push([a, b]);
+        if a == b {
+            let text = format!("vertex {a} twice; a pair is of two different vertices");
+            return Err(Fault::line(line.number, ContentDefect::Malformed(text)));
+        }
+        pairs.push((line.number, [a, b]));
     }
     Ok(pairs)
 }
@@ -184,12 +191,12 @@ impl FeatureFile {
     /// Curves are matched by position: each of their points is a vertex of the soup up to [`SAME_POINT_REL`] of the
     /// bounding box's diagonal, the closest one (the smallest number among equals).
     ///
-    /// # Errors     [`IoError::Mismatch`] names the first face, vertex or point the soup does not have
+    /// # Errors     [`IoError::Mismatch`] names the first face, vertex or point the soup does not have, and its line
     /// # Cost       linear, and sorting
     pub fn vertex_pairs(&self, soup: &FaceSoup) -> Result<Vec<[u32; 2]>, IoError> {
         let found = match self {
-            Self::Sides { sides, .. } => sides.iter().map(|s| side_ends(s, soup)).collect(),
-            Self::Pairs { pairs, .. } => pairs.iter().map(|p| pair_in_range(p, soup)).collect(),
+            Self::Sides { sides, .. } => sides.iter().map(|(line, s)| side_ends(*line, s, soup)).collect(),
+            Self::Pairs { pairs, .. } => pairs.iter().map(|(line, p)| pair_in_range(*line, p, soup)).collect(),
             Self::Curves { positions, polylines, .. } => curve_edges(positions, polylines, soup),
         };
         let mismatch = |what| IoError::Mismatch { path: self.path().to_path_buf(), what };
@@ -204,19 +211,22 @@ impl FeatureFile {
     }
 }
 
-fn side_ends(s: &SharpSide, soup: &FaceSoup) -> Result<[u32; 2], String> {
+fn side_ends(line: u64, s: &SharpSide, soup: &FaceSoup) -> Result<[u32; 2], String> {
     let face = soup.faces.get(s.face as usize);
-    let face = face.ok_or_else(|| format!("it names face {} of {}", s.face, soup.faces.len()))?;
+    let face = face.ok_or_else(|| {
+        format!("line {line} names face {}, but the mesh has {} faces, counted from 0", s.face, soup.faces.len())
+    })?;
     let side = s.side as usize;
     match face.get(side) {
         Some(&a) => Ok([a, face[(side + 1) % face.len()]]),
-        None => Err(format!("it names side {side} of face {}, which has {} sides", s.face, face.len())),
+        None => Err(format!("line {line} names side {side} of face {}, which has {} sides", s.face, face.len())),
     }
 }
 
-fn pair_in_range(pair: &[u32; 2], soup: &FaceSoup) -> Result<[u32; 2], String> {
-    match pair.iter().find(|&&v| v as usize >= soup.positions.len()) {
-        Some(v) => Err(format!("it names vertex {v} of {}", soup.positions.len())),
+fn pair_in_range(line: u64, pair: &[u32; 2], soup: &FaceSoup) -> Result<[u32; 2], String> {
+    let count = soup.positions.len();
+    match pair.iter().find(|&&v| v as usize >= count) {
+        Some(v) => Err(format!("line {line} names vertex {v}, but the mesh has {count} vertices, counted from 0")),
         None => Ok(*pair),
     }
 }
@@ -293,7 +303,7 @@ mod tests {
     fn every_form_names_the_same_edges() {
         let path = PathBuf::from("f");
         let sides = parse_sharp(b"3\n1,0,2\n0 1 1\r\n1, 1, 0\n").unwrap();
-        assert_eq!(sides[1], SharpSide { face: 1, side: 1, convex: false });
+        assert_eq!(sides[1], (3, SharpSide { face: 1, side: 1, convex: false }));
         let pairs = parse_pairs(b"# feature\n2 0\n\n2,3\n").unwrap();
         let positions = vec![DVec3::ZERO, DVec3::new(1.0, 1.0 + 1e-6, 0.0), DVec3::Y];
         for file in [
@@ -310,10 +320,16 @@ mod tests {
         let path = PathBuf::from("f");
         for (file, part) in [
             (
-                FeatureFile::Sides { path: path.clone(), sides: vec![SharpSide { face: 2, side: 0, convex: true }] },
-                "face 2 of 2",
+                FeatureFile::Sides {
+                    path: path.clone(),
+                    sides: vec![(7, SharpSide { face: 2, side: 0, convex: true })],
+                },
+                "line 7 names face 2, but the mesh has 2 faces",
             ),
-            (FeatureFile::Pairs { path: path.clone(), pairs: vec![[0, 4]] }, "vertex 4 of 4"),
+            (
+                FeatureFile::Pairs { path: path.clone(), pairs: vec![(3, [0, 1]), (9, [0, 4])] },
+                "line 9 names vertex 4, but the mesh has 4 vertices",
+            ),
             (
                 FeatureFile::Curves { path, positions: vec![DVec3::ZERO, DVec3::Z], polylines: vec![vec![0, 1]] },
                 "(0, 0, 1)",
@@ -340,6 +356,7 @@ mod tests {
             assert!(fault.defect.to_string().contains(part), "{text:?}: {}", fault.defect);
         }
         assert!(parse_pairs(b"1 2 3\n").is_err());
+        assert!(parse_pairs(b"1 2\n5 5\n").unwrap_err().defect.to_string().contains("vertex 5 twice"));
         assert!(parse_pairs(b"1 -2\n").is_err());
     }
 }

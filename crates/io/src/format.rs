@@ -37,6 +37,9 @@ impl fmt::Display for Format {
 }
 
 impl Format {
+    /// Extensions of the formats that surfaces are written in, for messages.
+    pub const WRITTEN: &'static str = ".obj, .ply, .off, .vtu, .glb or .stl";
+
     /// The format an extension stands for, in upper or lower case.
     pub fn from_path(path: &Path) -> Option<Self> {
         match path.extension().and_then(OsStr::to_str)?.to_ascii_lowercase().as_str() {

@@ -1,14 +1,22 @@
 //! Guide curves: where quad edges are wanted, drawn by hand or by another program.
 //!
-//! In: a path to an OBJ with `l` lines or to JSON `[[{"point": [x, y, z]}, …], …]`. Out: [`Guide`] values.
+//! In: a path to an OBJ with `l` lines or to JSON. Out: [`Guide`] values.
 //! Holds: two or more finite points each; not that they lie on any surface.
+//!
+//! ```text
+//!     [                                  a list of curves,
+//!       [[0, 0, 1], [1, 0, 1]],          each a list of points in file units,
+//!       [{"point": [0, 1, 0]}, …]        each [x, y, z] or an object with a "point"
+//!     ]
+//! ```
 
 use crate::atomic::write_atomically;
 use crate::error::{ContentDefect, Fault, IoError};
 use crate::features::read_polylines;
 use crate::surface::read_bytes;
 use quadloom_mesh::DVec3;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use serde_json::Value;
 use std::path::Path;
 
 /// A curve drawn near a surface.
@@ -18,21 +26,19 @@ pub struct Guide {
     pub points: Vec<DVec3>,
 }
 
-/// A point as JSON has it: an object with a `point`, or the bare triple.
-#[derive(Serialize, Deserialize)]
-#[serde(untagged)]
-enum JsonPoint {
-    Object { point: [f64; 3] },
-    Bare([f64; 3]),
+/// A point as it is written.
+#[derive(Serialize)]
+struct JsonPoint {
+    point: [f64; 3],
 }
 
-/// Reads guide curves: JSON if the content starts with `[`, else the polylines of an OBJ.
+/// Reads guide curves: JSON if the content starts with `[` or `{`, else the polylines of an OBJ.
 ///
 /// # Errors     every [`IoError`] of reading
 pub fn read_guides(path: impl AsRef<Path>) -> Result<Vec<Guide>, IoError> {
     let path = path.as_ref();
     let bytes = read_bytes(path)?;
-    if bytes.trim_ascii_start().starts_with(b"[") {
+    if matches!(bytes.trim_ascii_start().first(), Some(b'[' | b'{')) {
         return parse_json(&bytes).map_err(|fault| fault.in_file(path));
     }
     let (positions, polylines) = read_polylines(path)?;
@@ -50,31 +56,68 @@ pub fn write_guides(path: impl AsRef<Path>, guides: &[Guide]) -> Result<(), IoEr
         return Err(IoError::InvalidSurface { path: path.to_path_buf(), what });
     }
     let curves: Vec<Vec<JsonPoint>> =
-        guides.iter().map(|g| g.points.iter().map(|p| JsonPoint::Object { point: p.to_array() }).collect()).collect();
+        guides.iter().map(|g| g.points.iter().map(|p| JsonPoint { point: p.to_array() }).collect()).collect();
     write_atomically(path, |out| {
         serde_json::to_writer(&mut *out, &curves)?;
         out.write_all(b"\n")
     })
 }
 
+/// What a file of guides looks like, for messages.
+const LAYOUT: &str = "guides are a list of curves, each a list of points: [[[x, y, z], …], …]";
+
 fn parse_json(bytes: &[u8]) -> Result<Vec<Guide>, Fault> {
-    let curves: Vec<Vec<JsonPoint>> = serde_json::from_slice(bytes).map_err(|e| {
-        let text = format!("{e}; guides are written [[{{\"point\": [x, y, z]}}, …], …]");
-        Fault::line(e.line() as u64, ContentDefect::Malformed(text))
-    })?;
-    curves.into_iter().enumerate().map(|(k, curve)| guide(k, curve)).collect()
+    let malformed = |line: u64, text: String| Fault::line(line, ContentDefect::Malformed(format!("{text}; {LAYOUT}")));
+    let curves: Value = serde_json::from_slice(bytes).map_err(|e| malformed(e.line() as u64, e.to_string()))?;
+    let wrong = |at: &[usize], text: String| malformed(line_of(bytes, at), text);
+    let curves = curves.as_array().ok_or_else(|| wrong(&[], "this is an object, not a list".into()))?;
+    let mut guides = Vec::with_capacity(curves.len());
+    for (k, curve) in curves.iter().enumerate() {
+        let points = curve.as_array().ok_or_else(|| wrong(&[k], format!("curve {} is not a list", k + 1)))?;
+        if points.len() < 2 {
+            return Err(wrong(&[k], format!("curve {} has {} points; two or more are needed", k + 1, points.len())));
+        }
+        let point = |(i, p): (usize, &Value)| {
+            let text = || format!("curve {}, point {} is not three finite numbers", k + 1, i + 1);
+            json_point(p).ok_or_else(|| wrong(&[k, i], text()))
+        };
+        guides.push(Guide { points: points.iter().enumerate().map(point).collect::<Result<_, _>>()? });
+    }
+    Ok(guides)
 }
 
-fn guide(k: usize, curve: Vec<JsonPoint>) -> Result<Guide, Fault> {
-    let point = |p| match p {
-        JsonPoint::Object { point } | JsonPoint::Bare(point) => DVec3::from(point),
-    };
-    let points: Vec<DVec3> = curve.into_iter().map(point).collect();
-    if points.len() < 2 {
-        let text = format!("guide {k} has {} points; two or more are needed", points.len());
-        return Err(Fault::line(1, ContentDefect::Malformed(text)));
+/// An object with a `point`, or the bare triple.
+fn json_point(value: &Value) -> Option<DVec3> {
+    let triple = value.get("point").unwrap_or(value).as_array()?;
+    let numbers: Vec<f64> = triple.iter().map(|x| x.as_f64().filter(|x| x.is_finite())).collect::<Option<_>>()?;
+    Some(DVec3::from(<[f64; 3]>::try_from(numbers).ok()?))
+}
+
+/// The line, from 1, on which an element of nested lists starts: `[2, 0]` is the first of the third.
+///
+/// # Input      bytes: valid JSON; at: numbers of elements, outermost first
+fn line_of(bytes: &[u8], at: &[usize]) -> u64 {
+    let (mut line, mut in_string, mut escaped) = (1, false, false);
+    // Numbers of the elements that the place belongs to, as far as lists go; an object counts as one, too.
+    let mut path: Vec<usize> = Vec::new();
+    for &b in bytes {
+        if !in_string && !b.is_ascii_whitespace() && !matches!(b, b']' | b'}' | b',') && path == at {
+            return line;
+        }
+        match b {
+            b'\n' => line += 1,
+            _ if in_string => {
+                in_string = escaped || b != b'"';
+                escaped = b == b'\\' && !escaped;
+            }
+            b'"' => in_string = true,
+            b'[' | b'{' => path.push(0),
+            b']' | b'}' => _ = path.pop(),
+            b',' => _ = path.last_mut().map(|k| *k += 1),
+            _ => {}
+        }
     }
-    Ok(Guide { points })
+    line
 }
 
 #[cfg(test)]
@@ -89,10 +132,20 @@ mod tests {
     }
 
     #[test]
-    fn bad_json_names_the_line() {
-        let fault = parse_json(b"[[\n{\"point\":[0,1]}]]").unwrap_err();
-        assert!(fault.defect.to_string().contains("point"), "{}", fault.defect);
-        assert!(parse_json(b"[[[0,0,0]]]").unwrap_err().defect.to_string().contains("guide 0 has 1"));
-        assert!(parse_json(b"[[[0,0,1e999],[0,0,0]]]").is_err());
+    fn bad_json_names_the_line_and_the_element() {
+        for (text, line, part) in [
+            ("[[\n{\"point\":[0,1]}]]", 1, "curve 1 has 1 points"),
+            ("[[[0,0,0]]]", 1, "curve 1 has 1 points"),
+            ("[[[0,0,0],[1,1,1]],\n [[0,0,0],\n\n  {\"x\":\"[,\\\"\",\"point\":[1,2]}]]", 4, "curve 2, point 2"),
+            ("[[[0,0,0],\n[1,\"a\",1]]]", 2, "curve 1, point 2"),
+            ("[[[0,0,0],[1,1,1]],\n3]", 2, "curve 2 is not a list"),
+            ("\n{\"curves\":[]}", 2, "object"),
+            ("[[[0,0,0],\n[0,0,1e999]]]", 2, "range"),
+            ("[[[0,0,0],\n[0,0,]]]", 2, "column"),
+        ] {
+            let fault = parse_json(text.as_bytes()).unwrap_err();
+            assert_eq!(fault.place, crate::Place::Line(line), "{text:?}: {}", fault.defect);
+            assert!(fault.defect.to_string().contains(part), "{text:?}: {}", fault.defect);
+        }
     }
 }

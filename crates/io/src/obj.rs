@@ -66,8 +66,11 @@ struct Reader {
     /// Texture coordinate of each corner; empty for an unmapped face.
     face_uv: Vec<Vec<u32>>,
     polylines: Vec<Vec<u32>>,
-    /// Vertex numbers larger than all before them, with their lines: the first one out of range is among them.
-    records: Vec<(u32, u64)>,
+    /// Vertex numbers larger than all before them, with their lines and what uses them: the first one out of range is
+    /// among them.
+    records: Vec<(u32, u64, &'static str)>,
+    /// What the line being read is, for messages.
+    reading: &'static str,
     corners: Vec<u32>,
     corner_uv: Vec<u32>,
 }
@@ -122,6 +125,7 @@ impl Reader {
         line: u64,
         terminated: bool,
     ) -> Result<(), Fault> {
+        self.reading = "face";
         self.corners.clear();
         self.corner_uv.clear();
         for token in tokens {
@@ -140,6 +144,7 @@ impl Reader {
     }
 
     fn polyline<'a>(&mut self, tokens: &mut impl Iterator<Item = &'a [u8]>, line: u64) -> Result<(), Fault> {
+        self.reading = "polyline";
         let polyline: Vec<u32> = tokens.map(|t| Ok(self.corner(t, line)?.0)).collect::<Result<_, Fault>>()?;
         if polyline.len() < 2 {
             let defect = ContentDefect::WrongCount { what: "polyline", found: polyline.len(), wanted: "2 or more" };
@@ -174,19 +179,20 @@ impl Reader {
             return Err(Fault::line(line, ContentDefect::IndexZero));
         }
         let count = self.positions.len();
-        let v =
-            resolve(index, count).ok_or_else(|| Fault::line(line, ContentDefect::IndexOutOfRange { index, count }))?;
+        let what = self.reading;
+        let missing = || Fault::line(line, ContentDefect::IndexOutOfRange { what, index, count });
+        let v = resolve(index, count).ok_or_else(missing)?;
         // A vertex may be defined after its face: whether it is, is known at the end.
-        if v as usize >= count && self.records.last().is_none_or(|&(largest, _)| v > largest) {
-            self.records.push((v, line));
+        if v as usize >= count && self.records.last().is_none_or(|&(largest, ..)| v > largest) {
+            self.records.push((v, line, what));
         }
         Ok(v)
     }
 
     fn finish(mut self) -> Result<FaceSoup, Fault> {
         let count = self.positions.len();
-        if let Some(&(v, line)) = self.records.iter().find(|&&(v, _)| v as usize >= count) {
-            return Err(Fault::line(line, ContentDefect::IndexOutOfRange { index: i64::from(v) + 1, count }));
+        if let Some(&(v, line, what)) = self.records.iter().find(|&&(v, ..)| v as usize >= count) {
+            return Err(Fault::line(line, ContentDefect::IndexOutOfRange { what, index: i64::from(v) + 1, count }));
         }
         let vertex_colors = (!self.colors.is_empty()).then(|| {
             self.colors.resize(count, WHITE);
@@ -334,13 +340,13 @@ mod tests {
     fn faces_may_come_before_their_vertices() {
         assert_eq!(parse(format!("f 1 2 3 4\n{VERTICES}").as_bytes()).unwrap().faces, [[0, 1, 2, 3]]);
         let late = fault(&format!("f 1 2 3\nf 1 2 6\nf 1 2 5\nf 1 2 9\n{VERTICES}"));
-        assert_eq!(late, (2, ContentDefect::IndexOutOfRange { index: 6, count: 4 }));
+        assert_eq!(late, (2, ContentDefect::IndexOutOfRange { what: "face", index: 6, count: 4 }));
     }
 
     #[test]
     fn errors_name_the_line() {
         use ContentDefect::{Binary, IndexOutOfRange, IndexZero, NotANumber, NotFinite, Truncated, WrongCount};
-        let cases: [(&str, u64, ContentDefect); 13] = [
+        let cases: [(&str, u64, ContentDefect); 14] = [
             ("v 0 0 nan\n", 1, NotFinite("nan".into())),
             ("v 0 0 0\nv 0 -inf 0\n", 2, NotFinite("-inf".into())),
             ("v 0 0 1e999\n", 1, NotFinite("1e999".into())),
@@ -349,8 +355,9 @@ mod tests {
             ("v 0 0\n", 1, WrongCount { what: "vertex", found: 2, wanted: "3 coordinates" }),
             ("v 0 0", 1, Truncated("its last line".into())),
             ("v 0 0 0\nf 1 1 0\n", 2, IndexZero),
-            ("v 0 0 0\nf 1 1 -2\n", 2, IndexOutOfRange { index: -2, count: 1 }),
-            ("v 0 0 0\nf 1 1 2\n", 2, IndexOutOfRange { index: 2, count: 1 }),
+            ("v 0 0 0\nf 1 1 -2\n", 2, IndexOutOfRange { what: "face", index: -2, count: 1 }),
+            ("v 0 0 0\nf 1 1 2\n", 2, IndexOutOfRange { what: "face", index: 2, count: 1 }),
+            ("v 0 0 0\nf 1 1 1\nl 1 3\n", 3, IndexOutOfRange { what: "polyline", index: 3, count: 1 }),
             ("v 0 0 0\nf 1 1 1/x\n", 2, NotANumber("1/x".into())),
             ("v 0 0 0\nf 1 1", 2, Truncated("its last line".into())),
             ("# x\n\0\u{1}\u{2}\n", 2, Binary("OBJ")),

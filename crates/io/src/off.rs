@@ -118,7 +118,9 @@ fn face<'a>(mut tokens: impl Iterator<Item = &'a [u8]>, line: u64, count: usize)
         })?;
         let index = integer(token, line)?;
         let v = usize::try_from(index).ok().filter(|&v| v < count);
-        face.push(v.ok_or_else(|| Fault::line(line, ContentDefect::IndexOutOfRange { index, count }))? as u32);
+        face.push(
+            v.ok_or_else(|| Fault::line(line, ContentDefect::IndexOutOfRange { what: "face", index, count }))? as u32
+        );
     }
     if face.is_empty() {
         let text = format!("a face of {corners} corners");

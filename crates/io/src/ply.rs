@@ -425,9 +425,10 @@ impl Reader {
     fn finish(self) -> Result<FaceSoup, Fault> {
         let count = self.soup.positions.len();
         match self.records.iter().find(|&&(v, _)| v as usize >= count) {
-            Some(&(v, place)) => {
-                Err(Fault { place, defect: ContentDefect::IndexOutOfRange { index: i64::from(v), count } })
-            }
+            Some(&(v, place)) => Err(Fault {
+                place,
+                defect: ContentDefect::IndexOutOfRange { what: "face", index: i64::from(v), count },
+            }),
             None => Ok(self.soup),
         }
     }

@@ -240,7 +240,7 @@ pub fn write_surface(
     let format = options
         .format
         .or_else(|| Format::from_path(path))
-        .ok_or_else(|| IoError::UnknownOutput { path: path.to_path_buf() })?;
+        .ok_or_else(|| IoError::UnknownOutput { path: path.to_path_buf(), expected: Format::WRITTEN })?;
     let refused = |what| IoError::InvalidSurface { path: path.to_path_buf(), what };
     if let Some(what) = surface.defect() {
         return Err(refused(what));

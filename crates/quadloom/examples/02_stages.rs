@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} triangles in, {} to work on", surface.face_count(), work.mesh.face_count());
 
     // Work mesh to cross field.
-    let (field, report) = cross_field(&work, edge, &[], &progress)?;
+    let (field, report) = cross_field(&work, edge, Default::default(), &progress)?;
     println!("{} singular vertices, energy {:.2}", report.singularities, report.energy);
 
     // Cross field to integer-grid map, of a size that gives the count.

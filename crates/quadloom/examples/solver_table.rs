@@ -93,7 +93,7 @@ fn field_rows(work: &WorkMesh) -> Result<Vec<Value>, Box<dyn Error>> {
 fn map_rows(work: &WorkMesh) -> Result<Vec<Value>, Box<dyn Error>> {
     let mesh = &work.mesh;
     let edge = (mesh.area() / mesh.face_count() as f64 * 4.0 / 3.0_f64.sqrt()).sqrt() / WORK_EDGE_REL;
-    let field: CrossField = cross_field(work, edge, &[], &Progress::none())?.0;
+    let field: CrossField = cross_field(work, edge, Default::default(), &Progress::none())?.0;
     let length: EdgeMap<f64> = metric::edge_lengths(mesh);
     let transport = Transport::new(mesh, &length);
     let charts = Charts::new(mesh, &length, &transport, &work.binding, &field);

@@ -47,6 +47,9 @@ pub enum RemeshError {
         /// Largest number.
         most: usize,
     },
+    /// A tie has one vertex at both ends.
+    #[error("--tie {0},{0}: a vertex cannot be tied to itself; name two different vertices")]
+    TiedToItself(u32),
     /// Two results would go to one file.
     #[error("two outputs go to {}: give each a file of its own", .0.display())]
     SameFile(std::path::PathBuf),
@@ -72,7 +75,7 @@ pub enum FailureKind {
     Usage,
     /// The input cannot be read, or is empty.
     Unreadable,
-    /// The input was read and is not a surface.
+    /// The input was read and is not a surface, or what goes with it does not fit it.
     Rejected,
     /// No valid result was found.
     NoResult,
@@ -86,7 +89,13 @@ impl RemeshError {
     /// The kind of failure.
     pub fn kind(&self) -> FailureKind {
         match self {
-            Self::Option { .. } | Self::TooMany { .. } | Self::SameFile(_) | Self::NoSample(_) => FailureKind::Usage,
+            Self::Option { .. }
+            | Self::TooMany { .. }
+            | Self::TiedToItself(_)
+            | Self::SameFile(_)
+            | Self::NoSample(_) => FailureKind::Usage,
+            // The file was read; it belongs to another input.
+            Self::File(quadloom_io::IoError::Mismatch { .. }) => FailureKind::Rejected,
             Self::File(_) | Self::NoFaces => FailureKind::Unreadable,
             Self::Input(_) | Self::Mismatch { .. } => FailureKind::Rejected,
             Self::NoResult { .. } => FailureKind::NoResult,
@@ -113,6 +122,8 @@ pub enum WarningCode {
     CountMissed,
     /// Feature edges asked for are not kept.
     FeatureMissed,
+    /// Given singular vertices are not those of the result.
+    SingularitiesMissed,
     /// Irregular vertices that were to be tied have no chain of quad edges between them.
     TieMissed,
     /// The surface is rough at the size of its quads; directions and map were made on a smoothed copy.
@@ -153,7 +164,10 @@ impl Warning {
 
     /// Whether something that the user asked for was not reached, although the result is valid.
     pub fn misses_request(&self) -> bool {
-        use WarningCode::{CountMissed, FacingUnclear, FeatureMissed, TieMissed, TrianglesSplit};
-        matches!(self.code, CountMissed | FacingUnclear | FeatureMissed | TieMissed | TrianglesSplit)
+        use WarningCode::{CountMissed, FacingUnclear, FeatureMissed, SingularitiesMissed, TieMissed, TrianglesSplit};
+        matches!(
+            self.code,
+            CountMissed | FacingUnclear | FeatureMissed | SingularitiesMissed | TieMissed | TrianglesSplit
+        )
     }
 }

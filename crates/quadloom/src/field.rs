@@ -3,11 +3,14 @@
 //! In: a [`FaceSoup`] that is a clean triangle mesh. Out: [`FileField`]: four directions per face, in the file's
 //! order. Holds: fields belong to the faces of the file, so that a file that needs repair is refused.
 
-use crate::error::RemeshError;
+use crate::error::{RemeshError, Warning};
 use crate::features::{FeatureRequest, find_features};
-use crate::stages::{WorkMesh, cross_field};
+use crate::singularities::{SingularityRequest, check_list, others_warning};
+use crate::stages::{Prescribed, WorkMesh, cross_field};
 use quadloom_field::Transport;
+use quadloom_mesh::repair::split_components;
 use quadloom_mesh::{DVec3, FaceSoup, Progress, TriMesh, VertexId};
+use std::collections::BTreeMap;
 
 /// What a field is to follow; vertices are numbers of the file.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +21,8 @@ pub struct FieldRequest {
     pub features: Vec<[u32; 2]>,
     /// Prescribed singular vertices with their index in quarters.
     pub singularities: Vec<(u32, i32)>,
+    /// Whether other vertices may be singular besides.
+    pub other_singularities: bool,
 }
 
 /// A field on the faces of a file.
@@ -29,6 +34,8 @@ pub struct FileField {
     pub singularities: Vec<(u32, i32)>,
     /// Smoothness energy ([Bommes2012] §8.2, Eq. (8.1)), radians squared.
     pub energy: f64,
+    /// What should be known.
+    pub warnings: Vec<Warning>,
 }
 
 /// Solves for a field.
@@ -41,6 +48,7 @@ pub fn solve_field(soup: &FaceSoup, request: &FieldRequest, progress: &Progress)
     let triangles = triangles.ok_or_else(|| unfit("there are faces with more than three corners".into()))?;
     let mesh = TriMesh::new(soup.positions.clone(), &triangles)
         .map_err(|e| unfit(format!("{e}; `quadloom check` lists all defects, `quadloom remesh` repairs them")))?;
+    let is_whole = check_singularities(&mesh, request)?;
     // 2. What it follows.
     let edges = request.features.iter().map(|e| e.map(VertexId)).collect();
     let wanted = FeatureRequest { sharp_angle: request.sharp_angle, edges, guides: Vec::new() };
@@ -48,11 +56,43 @@ pub fn solve_field(soup: &FaceSoup, request: &FieldRequest, progress: &Progress)
     let work = WorkMesh { mesh, binding: features.clone(), features };
     let singularities: Vec<(VertexId, i32)> = request.singularities.iter().map(|&(v, i)| (VertexId(v), i)).collect();
     // 3. The field.
-    let (field, report) = cross_field(&work, 0.0, &singularities, progress)?;
+    let only = is_whole && !request.other_singularities;
+    let (field, report) = cross_field(&work, 0.0, Prescribed { at: &singularities, only }, progress)?;
     let mesh = &work.mesh;
+    let singular = field.singularities(mesh, &Transport::of(mesh));
+    // Given ones are singular by construction; those of index 0 are not.
+    let given = singularities.iter().filter(|s| s.1 != 0).count();
+    let others = if only { singular.len().saturating_sub(given) } else { 0 };
     Ok(FileField {
         crosses: mesh.faces().map(|f| [0, 1, 2, 3].map(|d| field.direction(mesh, f, d))).collect(),
-        singularities: field.singularities(mesh, &Transport::of(mesh)).iter().map(|&(v, i)| (v.0, i)).collect(),
+        singularities: singular.iter().map(|&(v, i)| (v.0, i)).collect(),
         energy: report.energy,
+        warnings: others_warning(others).into_iter().collect(),
     })
+}
+
+/// Refuses lists that no field has, component by component; says whether every component has given vertices.
+fn check_singularities(mesh: &TriMesh, request: &FieldRequest) -> Result<bool, RemeshError> {
+    if request.singularities.is_empty() {
+        return Ok(false);
+    }
+    let unfit = |why: String| RemeshError::Mismatch { what: "the list of singularities", why };
+    let mut quarters: BTreeMap<VertexId, Vec<i32>> = BTreeMap::new();
+    for &(v, index) in &request.singularities {
+        if v as usize >= mesh.vertex_count() {
+            return Err(unfit(format!("there is no vertex {v} on the surface")));
+        }
+        quarters.entry(VertexId(v)).or_default().push(index);
+    }
+    let mut everywhere = true;
+    for component in split_components(mesh).map_err(|e| unfit(e.to_string()))? {
+        let mut list = Vec::new();
+        for (vertex, whole) in component.vertex_of.iter() {
+            let given = quarters.get(whole).into_iter().flatten();
+            list.extend(given.map(|&quarters| SingularityRequest { asked: whole.0, vertex, quarters }));
+        }
+        check_list(&component.mesh, &list, request.other_singularities)?;
+        everywhere &= !list.is_empty();
+    }
+    Ok(everywhere)
 }

@@ -2,10 +2,12 @@
 //!
 //! In: a [`FaceSoup`]. Out: [`Inspection`]. Holds: nothing is repaired; every defect names an element and a cure.
 
+use crate::error::RemeshError;
 use crate::measure::surface_report;
 use crate::report::SurfaceReport;
-use quadloom_extract::{IrregularVertices, QuadQuality, QualitySummary};
-use quadloom_mesh::{Defect, FaceSoup, MeshError, PolygonMesh, QuadMesh, Summary};
+use quadloom_extract::{Distances, IrregularVertices, QuadQuality, QualitySummary, Reference};
+use quadloom_mesh::repair::{RepairError, RepairOptions, repair};
+use quadloom_mesh::{Defect, FaceSoup, FeatureGraph, MeshError, PolygonMesh, QuadMesh, Summary, TriMesh};
 use serde::Serialize;
 
 /// What a file holds.
@@ -23,6 +25,18 @@ pub struct Inspection {
     pub irregular: Option<IrregularVertices>,
     /// Shapes, if all faces are quads and there is no defect.
     pub quality: Option<QualitySummary>,
+    /// Distances to another surface, if they were asked for.
+    pub distance: Option<DistanceReport>,
+}
+
+/// Distances with their unit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DistanceReport {
+    /// What the numbers are.
+    pub unit: &'static str,
+    /// The distances.
+    #[serde(flatten)]
+    pub distances: Distances,
 }
 
 /// Defects of one kind.
@@ -33,12 +47,12 @@ pub struct DefectReport {
     /// The first one, with its ids.
     pub first: String,
     /// What cures them.
-    pub cure: &'static str,
+    pub cure: String,
 }
 
 /// Looks at a soup.
 ///
-/// # Cost       linear
+/// # Cost       linear, and a repair if there are defects: what it cannot cure must not be promised
 pub fn inspect(soup: &FaceSoup) -> Inspection {
     let mut by_degree = std::collections::BTreeMap::new();
     for face in &soup.faces {
@@ -51,12 +65,13 @@ pub fn inspect(soup: &FaceSoup) -> Inspection {
         surface: None,
         irregular: None,
         quality: None,
+        distance: None,
     };
     match PolygonMesh::new(soup.positions.clone(), &soup.faces) {
         Ok(mesh) => inspection.surface = Some(surface_report(&mesh)),
-        Err(MeshError::Connectivity(defects)) => inspection.defects = grouped(&defects),
+        Err(MeshError::Connectivity(defects)) => inspection.defects = grouped(&defects, soup),
         Err(other) => {
-            let cure = "give the vertex a position or delete its faces";
+            let cure = "give the vertex a position or delete its faces".into();
             inspection.defects = vec![DefectReport { count: 1, first: other.to_string(), cure }];
         }
     }
@@ -73,6 +88,21 @@ pub fn as_quads(soup: &FaceSoup) -> Option<Result<QuadMesh, MeshError>> {
     quads.map(|quads| QuadMesh::new(soup.positions.clone(), &quads))
 }
 
+/// Distances between the quads of a soup and a surface.
+///
+/// # Errors     a soup that is no mesh of quads
+/// # Cost       about 100,000 closest-point queries
+pub fn distances_to(soup: &FaceSoup, surface: &TriMesh) -> Result<DistanceReport, RemeshError> {
+    let unfit = |why: String| RemeshError::Mismatch { what: "--reference", why };
+    let quads =
+        as_quads(soup).ok_or_else(|| unfit("distances are measured from quads, and not all faces are".into()))?;
+    let quads = quads.map_err(|e| unfit(format!("{e}; `quadloom check` lists all defects")))?;
+    let features = FeatureGraph::none(surface);
+    let reference = Reference::new(surface, &features);
+    let distances = Distances::measure(&quads, &reference).map_err(|e| unfit(e.to_string()))?;
+    Ok(DistanceReport { unit: "percent of the diagonal of the reference's bounding box", distances })
+}
+
 impl Inspection {
     /// Whether two surfaces have the same Euler characteristic, components and boundary loops.
     pub fn same_topology(&self, other: &Summary) -> bool {
@@ -80,24 +110,61 @@ impl Inspection {
     }
 }
 
-fn grouped(defects: &[Defect]) -> Vec<DefectReport> {
+fn grouped(defects: &[Defect], soup: &FaceSoup) -> Vec<DefectReport> {
+    let obstacle = repair(soup, &RepairOptions::default()).err();
     let mut groups: Vec<(std::mem::Discriminant<Defect>, DefectReport)> = Vec::new();
     for defect in defects {
         let kind = std::mem::discriminant(defect);
         match groups.iter_mut().find(|(k, _)| *k == kind) {
             Some((_, group)) => group.count += 1,
-            None => groups.push((kind, DefectReport { count: 1, first: defect.to_string(), cure: cure(defect) })),
+            None => {
+                let cure = cure(defect, obstacle.as_ref());
+                groups.push((kind, DefectReport { count: 1, first: defect.to_string(), cure }));
+            }
         }
     }
     groups.into_iter().map(|(_, group)| group).collect()
 }
 
-fn cure(defect: &Defect) -> &'static str {
-    match defect {
-        Defect::IndexOutOfRange { .. } => "export the model again: vertices are missing",
-        Defect::TooLarge { .. } => "split or coarsen the model",
-        Defect::UnusedVertex { .. } => "harmless; `quadloom remesh` drops them",
-        Defect::NonManifoldEdge { .. } => "`quadloom remesh` keeps the flattest pair of faces and cuts the others off",
-        _ => "`quadloom remesh` repairs this and says how",
+/// What cures a defect; obstacle: why the input as a whole cannot be repaired.
+fn cure(defect: &Defect, obstacle: Option<&RepairError>) -> String {
+    match (defect, obstacle) {
+        (Defect::IndexOutOfRange { .. }, _) => "export the model again: vertices are missing".into(),
+        (Defect::TooLarge { .. }, _) => "split or coarsen the model".into(),
+        (_, Some(obstacle)) => format!("`quadloom remesh` cannot repair this: {obstacle}"),
+        (Defect::UnusedVertex { .. }, _) => "harmless; `quadloom remesh` drops them".into(),
+        (Defect::NonManifoldEdge { .. }, _) => {
+            "`quadloom remesh` keeps the flattest pair of faces and cuts the others off".into()
+        }
+        _ => "`quadloom remesh` repairs this and says how".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use quadloom_mesh::DVec3;
+
+    #[test]
+    fn no_repair_is_promised_that_does_not_exist() {
+        let positions: Vec<DVec3> =
+            (0..6).map(|i| DVec3::new(f64::from(i), f64::from(i * i % 4), f64::from(i % 3))).collect();
+        // A strip of triangles, closed with and without a twist; one face of the second is turned over.
+        let strip = |ring: [u32; 2]| -> Vec<Vec<u32>> {
+            let row = [0, 1, 2, 3, 4, 5, ring[0], ring[1]];
+            (0..6)
+                .map(|i| {
+                    if i % 2 == 0 { vec![row[i], row[i + 1], row[i + 2]] } else { vec![row[i + 1], row[i], row[i + 2]] }
+                })
+                .collect()
+        };
+        let soup = |faces| FaceSoup { positions: positions.clone(), faces, ..FaceSoup::default() };
+        let cures = |faces| inspect(&soup(faces)).defects.into_iter().map(|d| d.cure).collect::<Vec<_>>().join(" ");
+        let twisted = cures(strip([1, 0]));
+        assert!(twisted.contains("cannot repair") && twisted.contains("not orientable"), "{twisted}");
+        let mut ring = strip([0, 1]);
+        assert_eq!(cures(ring.clone()), "");
+        ring[2].swap(0, 1);
+        assert!(cures(ring).contains("repairs this"));
     }
 }

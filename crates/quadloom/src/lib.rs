@@ -34,6 +34,7 @@ pub mod part;
 pub mod remesh;
 pub mod report;
 pub mod scene;
+pub mod singularities;
 pub mod sizes;
 pub mod split;
 pub mod stages;

@@ -95,7 +95,10 @@ pub struct RemeshOptions {
     /// A cross field to follow, on the faces of the input.
     pub field: Option<GivenField>,
     /// Prescribed singular vertices: numbers of the input file with their index in quarters; valence 3 is +1.
+    /// None may be on a boundary; on a closed component that has some, they sum to four times its Euler characteristic.
     pub singularities: Vec<(u32, i32)>,
+    /// Whether other vertices may be singular besides the prescribed ones. Default false: the list is the whole one.
+    pub other_singularities: bool,
     /// Pairs of vertices of the input file: a chain of quad edges is to join the irregular vertices nearest to them.
     pub ties: Vec<[u32; 2]>,
     /// Whether singular vertices are moved where that lowers the map's energy ([Bommes2012] §8.4, singularity
@@ -128,6 +131,7 @@ impl Default for RemeshOptions {
             density: None,
             field: None,
             singularities: Vec::new(),
+            other_singularities: false,
             ties: Vec::new(),
             relocate: false,
             guides: Vec::new(),
@@ -156,7 +160,11 @@ impl RemeshOptions {
             .and(part("anisotropy", self.anisotropy))
             .and(part("curl correction", self.curl_correction))
             .and(self.sharp_angle.map_or(Ok(()), |a| (a > 0.0 && a <= 180.0).then_some(()).ok_or(("sharp-angle", a))))
-            .map_err(|(option, value)| RemeshError::Option { option, value })
+            .map_err(|(option, value)| RemeshError::Option { option, value })?;
+        match self.ties.iter().find(|[a, b]| a == b) {
+            Some(&[vertex, _]) => Err(RemeshError::TiedToItself(vertex)),
+            None => Ok(()),
+        }
     }
 }
 

@@ -67,6 +67,9 @@ pub fn write_field(path: &Path, result: &RemeshResult) -> Result<(), RemeshError
     Ok(())
 }
 
+/// Extensions of cross fields that are written, for messages.
+pub const FIELDS_WRITTEN: &str = ".rosy or .rawfield";
+
 /// Writes crosses as `.rosy` (one direction each) or `.rawfield` (all four).
 ///
 /// # Errors     every error of writing; an extension that is no field's
@@ -74,7 +77,7 @@ pub fn write_crosses(path: &Path, crosses: &[[DVec3; 4]]) -> Result<(), RemeshEr
     match path.extension().and_then(|e| e.to_str()) {
         Some("rosy") => write_rosy(path, &crosses.iter().map(|c| c[0]).collect::<Vec<_>>())?,
         Some("rawfield") => write_rawfield(path, crosses)?,
-        _ => return Err(IoError::UnknownOutput { path: path.to_path_buf() }.into()),
+        _ => return Err(IoError::UnknownOutput { path: path.to_path_buf(), expected: FIELDS_WRITTEN }.into()),
     }
     Ok(())
 }

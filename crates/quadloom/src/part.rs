@@ -8,17 +8,18 @@ use crate::error::{RemeshError, Warning, WarningCode};
 use crate::features::{FeatureRequest, Features, find_features};
 use crate::options::{Fallback, RemeshOptions};
 use crate::report::Seconds;
+use crate::singularities::{SingularityRequest, impossible, on_work_mesh};
 use crate::sizes::{SizeRequest, relative_sizes};
 use crate::split::split_surface;
 use crate::stages::{
-    MapRequest, SizedMap, WorkMesh, count_goal, cross_field, extract_quads, integer_grid_map, no_result, relocated,
-    with_room, work_edge_length, work_mesh, work_mesh_with_field,
+    MapRequest, Prescribed, SizedMap, WorkMesh, count_goal, cross_field, extract_quads, integer_grid_map, no_result,
+    relocated, with_room, work_edge_length, work_mesh, work_mesh_with_field,
 };
 use crate::ties::{TieReport, TieRequest, joined_ties, ties_on};
 use crate::verify::{lost_part, verify};
 use quadloom_extract::{Distances, Extraction, FinishError, FinishOptions, Reference, finish};
 use quadloom_field::{CrossField, Transport};
-use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, QuadMesh, TriMesh, VertexId};
+use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, QuadMesh, TriMesh};
 use quadloom_param::{RelocationReport, Tie};
 
 /// What is asked of one connected surface.
@@ -34,8 +35,8 @@ pub struct PartRequest<'a> {
     pub field: Option<FaceMap<DVec3>>,
     /// Where quads are smaller or stretched.
     pub sizes: SizeRequest,
-    /// Singular vertices to use, with their index in quarters.
-    pub singularities: Vec<(VertexId, i32)>,
+    /// Singular vertices to use.
+    pub singularities: Vec<SingularityRequest>,
     /// Singular vertices that chains of quad edges are to join.
     pub ties: Vec<TieRequest>,
     /// Most attempts before triangles are split.
@@ -147,7 +148,8 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
             }
             Err(e @ (RemeshError::Cancelled(_) | RemeshError::Mismatch { .. })) => return Err(e),
             Err(e) => {
-                run.warn(WarningCode::Retried, format!("attempt {} failed: {e}", attempt + 1));
+                let size = if attempt == 0 { "at the first size" } else { "at a slightly other size" };
+                run.warn(WarningCode::Retried, format!("no valid quads {size}: {e}"));
                 failure = e;
             }
         }
@@ -316,9 +318,10 @@ impl<'a> Run<'a> {
         if self.seconds.time("work mesh", calm)? {
             self.warn_of_noise();
         }
-        let singularities = on_work_mesh(self.request, &work);
+        let given = on_work_mesh(&work, self.request)?;
+        let singularities = Prescribed { at: &given, only: !given.is_empty() && !self.options.other_singularities };
         self.progress.report("cross field", 0.0);
-        let solve = || cross_field(&work, edge, &singularities, self.progress);
+        let solve = || cross_field(&work, edge, singularities, self.progress);
         let (field, report) = self.seconds.time("cross field", solve)?;
         let (work, field) = with_room(work, field, self.options)?;
         Ok((work, field, report.energy))
@@ -339,13 +342,13 @@ impl<'a> Run<'a> {
         progress.report("relocation", 0.0);
         let relocate = || {
             let size = relative_sizes(work, &field, request.mesh, edge, &request.sizes, progress)?.scaled(edge);
-            relocated(work, &field, &on_work_mesh(request, work), &size, progress)
+            relocated(work, &field, &on_work_mesh(work, request)?, &size, progress)
         };
         let (field, report) = self.seconds.time("relocation", relocate)?;
         Ok((field, Some(report)))
     }
 
-    /// Whether there are quads enough for the singular vertices.
+    /// Whether there are quads enough for the singular vertices, and any that have just those.
     fn check_room(
         &mut self,
         rung: &Attempt,
@@ -353,13 +356,16 @@ impl<'a> Run<'a> {
         field: &CrossField,
         quads: f64,
     ) -> Result<(), RemeshError> {
-        let singular = field.singularities(&work.mesh, &Transport::of(&work.mesh)).into_iter();
-        let count = singular.filter(|s| !work.mesh.is_boundary_vertex(s.0)).count();
-        if count as f64 <= MOST_SINGULAR_REL * quads {
+        let singular = field.singularities(&work.mesh, &Transport::of(&work.mesh));
+        let count = singular.iter().filter(|s| !work.mesh.is_boundary_vertex(s.0)).count();
+        let why = if count as f64 > MOST_SINGULAR_REL * quads {
+            format!("{count} singular vertices leave no room in {quads:.0} quads; ask for more quads")
+        } else if let Some(why) = impossible(&work.mesh, singular.iter().map(|s| s.1)) {
+            why.to_string()
+        } else {
             return Ok(());
-        }
+        };
         self.hopeless[usize::from(rung.sharp)] = true;
-        let why = format!("{count} singular vertices leave no room in {quads:.0} quads; ask for more quads");
         Err(no_result("cross field", why))
     }
 
@@ -460,15 +466,6 @@ impl<'a> Run<'a> {
         let diagonal = request.mesh.diagonal();
         Part { quads, area, diagonal, features, solution, attempt, solves, distances, warnings, seconds }
     }
-}
-
-/// The prescribed vertices' nearest vertices on the work mesh.
-fn on_work_mesh(request: &PartRequest, work: &WorkMesh) -> Vec<(VertexId, i32)> {
-    let nearest = |p: DVec3| {
-        let distance = |v: &VertexId| work.mesh.position(*v).distance_squared(p);
-        work.mesh.vertices().min_by(|a, b| distance(a).total_cmp(&distance(b)))
-    };
-    request.singularities.iter().filter_map(|&(v, index)| Some((nearest(request.mesh.position(v))?, index))).collect()
 }
 
 /// Smoothing on the input.

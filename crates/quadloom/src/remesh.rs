@@ -14,7 +14,8 @@ use crate::measure::{
 use crate::memory;
 use crate::options::{AUTO_QUADS_MAX, AUTO_QUADS_MIN, Elements, Fallback, MOST_QUADS, RemeshOptions, Target};
 use crate::part::{Part, PartRequest, attempts_of_piece, remesh_part};
-use crate::report::{ComponentReport, CountReport, REPORT_VERSION, Report, Seconds};
+use crate::report::{ComponentReport, CountReport, REPORT_VERSION, Report, Seconds, Units};
+use crate::singularities::{SingularityRequest, check_list, singularity_summary, singularity_warnings};
 use crate::sizes::SizeRequest;
 use crate::stages::no_result;
 use crate::ties::{TieRequest, tie_reports, tie_warnings};
@@ -123,9 +124,11 @@ fn remesh_repaired(
     progress.report("report", 0.0);
     let count = count_report(asked, quads.face_count(), options);
     if count.error_percent.abs() > count.tolerance_percent && count.explicit {
-        warnings.push(count_warning(&count));
+        warnings.push(count_warning(&count, &parts));
     }
     warnings.extend(feature_warnings(&parts, !options.features.is_empty() || !options.guides.is_empty()));
+    let singularities = singularity_summary(&requests, &parts);
+    warnings.extend(singularities.iter().flat_map(|s| singularity_warnings(s, options.other_singularities)));
     let ties = tie_reports(&requests, &parts);
     warnings.extend(tie_warnings(&ties));
     if options.relocate && options.field.is_some() {
@@ -137,6 +140,7 @@ fn remesh_repaired(
     let report = Report {
         report_version: REPORT_VERSION,
         quadloom: env!("CARGO_PKG_VERSION"),
+        units: Units::OF_REPORT,
         input: surface_report(mesh),
         repairs: repaired.report.findings().map(ToString::to_string).collect(),
         output: surface_report(&quads),
@@ -145,6 +149,7 @@ fn remesh_repaired(
         features: feature_report(&parts),
         field: field_summary(&parts, options.field.is_some()),
         map: map_summary(&parts),
+        singularities,
         ties,
         relocation: relocation_summary(&parts),
         quality,
@@ -211,17 +216,24 @@ fn requests<'a>(
         warnings.push(Warning::new(WarningCode::FeatureMissed, message));
     }
     // 2. Singular vertices.
-    for &(id, index) in &options.singularities {
-        let (i, v) = find(id).ok_or_else(|| RemeshError::Mismatch {
+    for &(asked, quarters) in &options.singularities {
+        let (i, vertex) = find(asked).ok_or_else(|| RemeshError::Mismatch {
             what: "the list of singularities",
-            why: format!("there is no vertex {id} on the surface"),
+            why: format!("there is no vertex {asked} on the surface"),
         })?;
-        requests[i].singularities.push((v, index));
+        requests[i].singularities.push(SingularityRequest { asked, vertex, quarters });
+    }
+    for request in &requests {
+        check_list(request.mesh, &request.singularities, options.other_singularities)?;
     }
     // 3. Ties.
     for &asked in &options.ties {
         let [a, b] = asked.map(find);
         match (a, b) {
+            (Some((i, a)), Some((j, b))) if i == j && a == b => {
+                let why = format!("vertices {} and {} are one point of the surface", asked[0], asked[1]);
+                return Err(RemeshError::Mismatch { what: "--tie", why });
+            }
             (Some((i, a)), Some((j, b))) if i == j => {
                 requests[i].ties.push(TieRequest { asked, vertices: [a, b] });
             }
@@ -328,10 +340,19 @@ fn count_report(asked: usize, reached: usize, options: &RemeshOptions) -> CountR
     }
 }
 
-fn count_warning(count: &CountReport) -> Warning {
+fn count_warning(count: &CountReport, parts: &[Part]) -> Warning {
+    let creased = parts.iter().any(|p| p.features.graph.edge_count() > 0);
+    let why = if parts.iter().any(|p| p.solution.is_none()) {
+        "split triangles cannot have any number; ask for more quads"
+    } else if count.reached > count.asked && creased {
+        "features and singular vertices need more; ask for more quads, or keep fewer edges (--sharp-angle)"
+    } else if count.reached > count.asked {
+        "singular vertices and handles need more; ask for more quads"
+    } else {
+        "no map without folds was found nearer to it; ask for another number"
+    };
     let message = format!(
-        "{} quads instead of {} ({:+.1} %, tolerance {} %): features and singularities leave no room for fewer or more; \
-         try another size or --sharp-angle",
+        "{} quads instead of {} ({:+.1} %, tolerance {} %): {why}",
         count.reached, count.asked, count.error_percent, count.tolerance_percent
     );
     Warning::new(WarningCode::CountMissed, message)

@@ -5,6 +5,7 @@
 //! `null`, never invented. Units: file units, seconds, degrees, bytes; percent where the name says so.
 
 use crate::error::Warning;
+use crate::singularities::SingularitySummary;
 use crate::ties::TieReport;
 use quadloom_extract::{Distances, IrregularVertices, QualitySummary};
 use quadloom_mesh::Summary;
@@ -23,6 +24,8 @@ pub struct Report {
     pub report_version: u32,
     /// Version of the program.
     pub quadloom: &'static str,
+    /// Units of the numbers below.
+    pub units: Units,
     /// The repaired input.
     pub input: SurfaceReport,
     /// Quads that face against the input; more than zero is never handed out.
@@ -41,6 +44,8 @@ pub struct Report {
     pub field: FieldSummary,
     /// The integer-grid map, over all components.
     pub map: MapSummary,
+    /// The singular vertices that were given; `None` if none were.
+    pub singularities: Option<SingularitySummary>,
     /// The ties that were asked for, component by component.
     pub ties: Vec<TieReport>,
     /// Relocation of singular vertices, over all components; `None` if it was not asked for.
@@ -57,6 +62,32 @@ pub struct Report {
     pub peak_memory_bytes: Option<u64>,
     /// What a user should know.
     pub warnings: Vec<Warning>,
+}
+
+/// Units of what is in a [`Report`], so that its reader need not look elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Units {
+    /// Of lengths, diagonals and positions; areas are in their square.
+    pub length: &'static str,
+    /// Of everything under `distance`.
+    pub distance: &'static str,
+    /// Of angles.
+    pub angle: &'static str,
+    /// Of indices.
+    pub index: &'static str,
+    /// Of times.
+    pub seconds: &'static str,
+}
+
+impl Units {
+    /// The units of this version.
+    pub const OF_REPORT: Self = Self {
+        length: "units of the input file",
+        distance: "percent of the diagonal of the input's bounding box",
+        angle: "degrees",
+        index: "quarters: 4 minus valence",
+        seconds: "seconds of wall-clock time",
+    };
 }
 
 /// Counts and size of a surface.

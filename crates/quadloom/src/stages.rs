@@ -108,23 +108,38 @@ impl WorkMesh {
     }
 }
 
+/// Singular vertices that are given.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Prescribed<'a> {
+    /// Interior vertices of the work mesh with their index in quarters.
+    pub at: &'a [(VertexId, i32)],
+    /// Whether the field is to have no others where it can do without.
+    pub only: bool,
+}
+
+/// Rise of the energy at which unwanted singular vertices still leave, radians squared: more than any field has.
+const UNWANTED_COST: f64 = 1e6;
+
 /// Solves for the cross field.
 ///
-/// # Input      quad_edge: edge length of the quads, file units; singularities: vertices of the work mesh with their
-/// index in quarters
+/// # Input      quad_edge: edge length of the quads, file units
 /// # Errors     prescriptions that exclude each other, cancellation
 pub fn cross_field(
     work: &WorkMesh,
     quad_edge: f64,
-    singularities: &[(VertexId, i32)],
+    singularities: Prescribed,
     progress: &Progress,
 ) -> Result<(CrossField, FieldReport), RemeshError> {
     let mesh = &work.mesh;
     let length = metric::edge_lengths(mesh);
     let transport = Transport::new(mesh, &length);
     let (mut constraints, _) = FieldConstraints::from_features(mesh, &transport, &length, &work.binding);
-    constraints.indices = singularities.to_vec();
-    let options = FieldOptions { cancel_distance: CANCEL_DISTANCE_REL * quad_edge, ..FieldOptions::default() };
+    constraints.indices = singularities.at.to_vec();
+    let options = FieldOptions {
+        cancel_distance: CANCEL_DISTANCE_REL * quad_edge,
+        singularity_cost: if singularities.only { UNWANTED_COST } else { 0.0 },
+        ..FieldOptions::default()
+    };
     progress.spend(FIELD_EFFORT * mesh.face_count());
     solve_open_field(mesh, &transport, &length, &work.binding, &constraints, &options, progress).map_err(|e| match e {
         quadloom_field::FieldError::Cancelled(c) => c.into(),
@@ -152,7 +167,7 @@ pub fn with_room(
 
 /// Moves singular vertices of a field that was solved on the work mesh, where that lowers the map's energy.
 ///
-/// # Input      as [`cross_field`]; size: in file units
+/// # Input      singularities: as in [`Prescribed`]; size: in file units
 /// # Errors     a field without a map, cancellation
 pub fn relocated(
     work: &WorkMesh,

@@ -30,6 +30,22 @@ pub struct TieReport {
     pub asked: [u32; 2],
     /// Quad edges of the straight chain between the two irregular vertices; `None` where there is none.
     pub edges: Option<usize>,
+    /// Why there is none.
+    pub missed: Option<TieMiss>,
+}
+
+/// Why there is no chain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TieMiss {
+    /// All interior vertices are regular.
+    NothingIrregular,
+    /// One irregular vertex is nearest to both.
+    SameVertex,
+    /// The quads have no straight chain between the two.
+    NoChain,
+    /// The quads were made by splitting triangles, which knows no ties.
+    TrianglesSplit,
 }
 
 /// The ties between the singular vertices that are nearest to what was named; where there are none, or both names mean
@@ -64,9 +80,15 @@ pub fn joined_ties(
         quads.vertices().min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
     };
     let edges = |tie: &Tie| straight_chain(quads, at(tie.ends[0])?, at(tie.ends[1])?);
-    let report = |(tie, asked): (&Option<Tie>, &TieRequest)| TieReport {
-        asked: asked.asked,
-        edges: tie.as_ref().and_then(edges),
+    let any_irregular = quads.vertices().any(|v| quads.valence(v) != 4 && !quads.is_boundary_vertex(v));
+    let report = |(tie, asked): (&Option<Tie>, &TieRequest)| {
+        let edges = tie.as_ref().and_then(edges);
+        let why = match tie {
+            _ if !any_irregular => TieMiss::NothingIrregular,
+            None => TieMiss::SameVertex,
+            Some(_) => TieMiss::NoChain,
+        };
+        TieReport { asked: asked.asked, edges, missed: edges.is_none().then_some(why) }
     };
     ties.iter().zip(&request.ties).map(report).collect()
 }
@@ -100,22 +122,35 @@ fn chain_length(quads: &QuadConnectivity, first: HalfEdgeId, to: VertexId) -> Op
 
 /// All ties of all components, in the order of the components.
 pub fn tie_reports(requests: &[PartRequest], parts: &[Part]) -> Vec<TieReport> {
+    let split = |t: &TieRequest| TieReport { asked: t.asked, edges: None, missed: Some(TieMiss::TrianglesSplit) };
     let of_part = |(request, part): (&PartRequest, &Part)| match &part.solution {
         Some(solution) => solution.ties.clone(),
-        None => request.ties.iter().map(|t| TieReport { asked: t.asked, edges: None }).collect(),
+        None => request.ties.iter().map(split).collect(),
     };
     requests.iter().zip(parts).flat_map(of_part).collect()
 }
 
 /// A warning for every tie without a chain.
 pub fn tie_warnings(reports: &[TieReport]) -> impl Iterator<Item = Warning> + '_ {
-    reports.iter().filter(|t| t.edges.is_none()).map(|tie| {
+    reports.iter().filter_map(|tie| {
         let [a, b] = tie.asked;
-        let message = format!(
-            "no chain of quad edges joins the irregular vertices nearest to vertices {a} and {b}: they are one, or no \
-             map without folds has it; name vertices on the same line of the field, or more quads"
-        );
-        Warning::new(WarningCode::TieMissed, message).at(Elements::Vertices(tie.asked.to_vec()))
+        let message = match tie.missed? {
+            TieMiss::NothingIrregular => format!(
+                "vertices {a} and {b} are not tied: the quads have no irregular vertex inside; --singularities makes some"
+            ),
+            TieMiss::SameVertex => format!(
+                "vertices {a} and {b} are not tied: one irregular vertex is nearest to both; name vertices beside two \
+                 different ones"
+            ),
+            TieMiss::NoChain => format!(
+                "no chain of quad edges joins the irregular vertices nearest to vertices {a} and {b}: no map without \
+                 folds has it; name vertices on the same line of the field, or more quads"
+            ),
+            TieMiss::TrianglesSplit => format!(
+                "vertices {a} and {b} are not tied: triangles were split into quads, which have no chains"
+            ),
+        };
+        Some(Warning::new(WarningCode::TieMissed, message).at(Elements::Vertices(tie.asked.to_vec())))
     })
 }
 

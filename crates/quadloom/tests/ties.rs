@@ -1,8 +1,8 @@
 //! Ties and relocation through the whole pipeline, seen in the quads.
 
 use quadloom::mesh::{DVec3, Summary, VertexId, shapes};
-use quadloom::ties::straight_chain;
-use quadloom::{Progress, RemeshOptions, RemeshResult, Target, TriMesh, WarningCode, remesh_mesh};
+use quadloom::ties::{TieMiss, straight_chain};
+use quadloom::{FailureKind, Progress, RemeshOptions, RemeshResult, Target, TriMesh, WarningCode, remesh_mesh};
 
 /// A lump without symmetry, so that hardly any two irregular vertices are aligned by chance.
 fn lump() -> TriMesh {
@@ -86,12 +86,22 @@ fn several_ties_are_kept_together() {
 }
 
 #[test]
-fn a_tie_of_a_vertex_to_itself_is_missed_aloud() {
+fn a_tie_of_a_vertex_to_itself_is_refused() {
+    let error = remesh_mesh(&lump(), &RemeshOptions { ties: vec![[5, 5]], ..options() }, &Progress::none());
+    assert_eq!(error.expect_err("nothing to tie").kind(), FailureKind::Usage);
+}
+
+#[test]
+fn a_tie_of_one_irregular_vertex_to_itself_is_missed_aloud() {
     let mesh = lump();
-    let result = made(&mesh, &RemeshOptions { ties: vec![[5, 5]], ..options() });
-    assert_eq!(result.report.ties[0].edges, None);
+    let free = made(&mesh, &options()).quads;
+    let irregular = free.vertices().find(|&v| free.valence(v) != 4).expect("an irregular vertex");
+    let v = near(&mesh, free.position(irregular));
+    let beside = mesh.outgoing(v).map(|h| mesh.target(h)).next().expect("a neighbour");
+    let result = made(&mesh, &RemeshOptions { ties: vec![[v.0, beside.0]], ..options() });
+    assert_eq!(result.report.ties[0].missed, Some(TieMiss::SameVertex));
     let warning = result.report.warnings.iter().find(|w| w.code == WarningCode::TieMissed).expect("a warning");
-    assert!(warning.misses_request());
+    assert!(warning.misses_request() && warning.message.contains("one irregular vertex"));
     assert!(Summary::of(&result.quads).same_topology(&Summary::of(&mesh)));
 }
 

@@ -1,9 +1,9 @@
 //! `quadloom field`
 
-use super::{check_output, done, is_any_output, is_field_output, read, use_threads};
+use super::{OutputKind, check_output, read, use_threads};
 use crate::args::FieldArgs;
 use crate::console::Console;
-use crate::watchdog;
+use crate::{exit, watchdog};
 use quadloom::RemeshError;
 use quadloom::field::{FieldRequest, solve_field};
 use quadloom::io::{Singularity, read_features, read_singularities, write_singularities};
@@ -15,8 +15,8 @@ pub fn run(args: &FieldArgs) -> Result<ExitCode, RemeshError> {
     use_threads(args.run.threads);
     let progress = watchdog::start(args.run.time_limit);
     let (console, progress) = Console::new(&args.run, progress);
-    check_output(&args.output, is_field_output)?;
-    args.write_singularities.iter().try_for_each(|path| check_output(path, is_any_output))?;
+    check_output(&args.output, OutputKind::Field)?;
+    args.write_singularities.iter().try_for_each(|path| check_output(path, OutputKind::Text))?;
     let soup = read(&args.input)?;
     let features = args.features.as_ref().map(|path| read_features(path)?.vertex_pairs(&soup)).transpose()?;
     let singularities = args.singularities.as_ref().map(read_singularities).transpose()?;
@@ -24,8 +24,10 @@ pub fn run(args: &FieldArgs) -> Result<ExitCode, RemeshError> {
         sharp_angle: args.sharp_angle.0,
         features: features.unwrap_or_default(),
         singularities: singularities.unwrap_or_default().iter().map(|s| (s.vertex, s.quarters)).collect(),
+        other_singularities: args.other_singularities,
     };
     let solved = solve_field(&soup, &request, &progress)?;
+    console.warnings(&solved.warnings);
     let _writing = watchdog::while_writing();
     write_crosses(&args.output, &solved.crosses)?;
     if let Some(path) = &args.write_singularities {
@@ -40,5 +42,6 @@ pub fn run(args: &FieldArgs) -> Result<ExitCode, RemeshError> {
         solved.singularities.len(),
         solved.energy
     ));
-    done()
+    let missed = solved.warnings.iter().any(|w| w.misses_request());
+    Ok(ExitCode::from(if missed { exit::MISSED } else { exit::DONE }))
 }

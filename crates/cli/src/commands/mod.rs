@@ -24,14 +24,48 @@ fn read(input: &str) -> Result<FaceSoup, RemeshError> {
 fn use_threads(threads: Option<usize>) {
     if let Some(n) = threads {
         // A pool that exists already has been asked for by nobody but this function.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(n.max(1)).build_global();
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(n).build_global();
+    }
+}
+
+/// What can go to a file, by the extension of its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum OutputKind {
+    /// A surface.
+    Surface,
+    /// A cross field.
+    Field,
+    /// A page.
+    Page,
+    /// Text; any name will do.
+    Text,
+}
+
+impl OutputKind {
+    fn has(self, path: &Path) -> bool {
+        let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        match self {
+            Self::Surface => quadloom::io::Format::from_path(path).is_some(),
+            Self::Field => matches!(path.extension().and_then(|e| e.to_str()), Some("rosy" | "rawfield")),
+            Self::Page => matches!(extension.as_deref(), Some("html" | "htm")),
+            Self::Text => true,
+        }
+    }
+
+    fn expected(self) -> &'static str {
+        match self {
+            Self::Surface => quadloom::io::Format::WRITTEN,
+            Self::Field => quadloom::output::FIELDS_WRITTEN,
+            Self::Page => ".html",
+            Self::Text => "any name",
+        }
     }
 }
 
 /// Fails now rather than after minutes: the format must be one that is written, the folder must exist.
-fn check_output(path: &Path, known: impl Fn(&Path) -> bool) -> Result<(), RemeshError> {
-    if !known(path) {
-        return Err(IoError::UnknownOutput { path: path.to_path_buf() }.into());
+fn check_output(path: &Path, kind: OutputKind) -> Result<(), RemeshError> {
+    if !kind.has(path) {
+        return Err(IoError::UnknownOutput { path: path.to_path_buf(), expected: kind.expected() }.into());
     }
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
@@ -41,21 +75,6 @@ fn check_output(path: &Path, known: impl Fn(&Path) -> bool) -> Result<(), Remesh
         return Err(IoError::IsDirectory { path: path.to_path_buf() }.into());
     }
     Ok(())
-}
-
-/// Whether a surface can be written to a file of this name.
-fn is_surface_output(path: &Path) -> bool {
-    quadloom::io::Format::from_path(path).is_some()
-}
-
-/// Whether a cross field can be written to a file of this name.
-fn is_field_output(path: &Path) -> bool {
-    matches!(path.extension().and_then(|e| e.to_str()), Some("rosy" | "rawfield"))
-}
-
-/// Any name will do.
-fn is_any_output(_: &Path) -> bool {
-    true
 }
 
 /// Writes a surface; what the format could not hold is returned as text.

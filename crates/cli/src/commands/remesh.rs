@@ -1,10 +1,10 @@
 //! `quadloom remesh`
 
-use super::{check_output, is_any_output, is_field_output, is_surface_output, read, use_threads, write, write_text};
+use super::{OutputKind, check_output, read, use_threads, write, write_text};
 use crate::args::{AdaptToArg, FallbackArg, MethodArg, RemeshArgs};
 use crate::console::Console;
 use crate::{exit, watchdog};
-use quadloom::io::{Format, read_features, read_guides, read_singularities};
+use quadloom::io::{Format, read_features, read_guides, read_singularities, read_vertex_pairs};
 use quadloom::view::render_html;
 use quadloom::{
     AdaptTo, FaceSoup, Fallback, GivenField, Method, RemeshError, RemeshOptions, RemeshResult, Report, Target, output,
@@ -24,10 +24,7 @@ pub fn run(args: &RemeshArgs) -> Result<ExitCode, RemeshError> {
     let options = options(args, &soup)?;
     let result = remesh(&soup, &options, &progress)?;
     if options.target == Target::Auto {
-        console.note(&format!(
-            "note: aimed at {} quads, a quarter of the triangles; --quads N asks for another number",
-            result.report.count.asked
-        ));
+        console.note(&default_count(&result));
     }
     console.warnings(&result.report.warnings);
     // From here on the run is not interrupted: every file is written whole.
@@ -41,17 +38,16 @@ pub fn run(args: &RemeshArgs) -> Result<ExitCode, RemeshError> {
 }
 
 fn check_outputs(args: &RemeshArgs) -> Result<(), RemeshError> {
-    check_output(&args.output, is_surface_output)?;
-    type Check = fn(&Path) -> bool;
-    let others: [(&Option<_>, Check); 4] = [
-        (&args.write_field, is_field_output),
-        (&args.write_map, is_surface_output),
-        (&args.report, is_any_output),
-        (&args.view, is_any_output),
+    check_output(&args.output, OutputKind::Surface)?;
+    let others = [
+        (&args.write_field, OutputKind::Field),
+        (&args.write_map, OutputKind::Surface),
+        (&args.report, OutputKind::Text),
+        (&args.view, OutputKind::Page),
     ];
     let mut taken = vec![absolute(&args.output)];
-    for (path, known) in others.into_iter().filter_map(|(path, known)| Some((path.as_ref()?, known))) {
-        check_output(path, known)?;
+    for (path, kind) in others.into_iter().filter_map(|(path, kind)| Some((path.as_ref()?, kind))) {
+        check_output(path, kind)?;
         if taken.contains(&absolute(path)) {
             return Err(RemeshError::SameFile(path.clone()));
         }
@@ -80,6 +76,10 @@ fn options(args: &RemeshArgs, soup: &FaceSoup) -> Result<RemeshOptions, RemeshEr
         Some(path) => read_singularities(path)?.iter().map(|s| (s.vertex, s.quarters)).collect(),
         None => Vec::new(),
     };
+    let mut ties = args.tie.clone();
+    if let Some(path) = &args.ties {
+        ties.extend(read_vertex_pairs(path)?);
+    }
     let field = args.field.as_deref().map(quadloom::input::load_field).transpose()?;
     Ok(RemeshOptions {
         target: target(args),
@@ -97,7 +97,8 @@ fn options(args: &RemeshArgs, soup: &FaceSoup) -> Result<RemeshOptions, RemeshEr
         density: args.density.clone(),
         field: field.map(|directions| GivenField { directions }),
         singularities,
-        ties: args.tie.clone(),
+        other_singularities: args.other_singularities,
+        ties,
         relocate: args.relocate,
         guides,
         method: match args.method {
@@ -143,6 +144,17 @@ fn write_all(args: &RemeshArgs, result: &RemeshResult) -> Result<Vec<String>, Re
 fn report_text(report: &Report) -> String {
     // A struct of plain data always serialises.
     serde_json::to_string_pretty(report).unwrap_or_default() + "\n"
+}
+
+/// What was aimed at where nothing was asked for.
+fn default_count(result: &RemeshResult) -> String {
+    let (asked, triangles) = (result.report.count.asked, result.input.face_count());
+    let why = match triangles / 4 {
+        quarter if quarter < asked => "the fewest that are aimed at by default",
+        quarter if quarter > asked => "the most that are aimed at by default",
+        _ => "a quarter of the triangles",
+    };
+    format!("note: aimed at {asked} quads, {why}; --quads N asks for another number")
 }
 
 fn title(args: &RemeshArgs) -> String {

@@ -3,13 +3,19 @@
 use super::{done, read};
 use crate::args::StatsArgs;
 use quadloom::RemeshError;
-use quadloom::inspect::{Inspection, inspect};
+use quadloom::extract::Deviation;
+use quadloom::inspect::{Inspection, distances_to, inspect};
+use quadloom::mesh::repair::{RepairOptions, repair};
 use std::process::ExitCode;
 
 /// Prints counts, topology and quality.
 pub fn run(args: &StatsArgs) -> Result<ExitCode, RemeshError> {
     let soup = read(&args.input)?;
-    let inspection = inspect(&soup);
+    let mut inspection = inspect(&soup);
+    if let Some(reference) = &args.reference {
+        let surface = repair(&read(reference)?, &RepairOptions::default())?.mesh;
+        inspection.distance = Some(distances_to(&soup, &surface)?);
+    }
     if args.json {
         println!("{:#}", serde_json::json!(inspection));
     } else {
@@ -51,6 +57,16 @@ fn rows(inspection: &Inspection) -> Vec<(&'static str, String)> {
         rows.push(("inverted", quality.inverted.to_string()));
         rows.push(("angle deviation", format!("mean {:.2}°, worst {:.2}°", quality.angle_mean, quality.angle_max)));
         rows.push(("edge length", format!("mean {:.6}, variation {:.3}", quality.edge_mean, quality.edge_variation)));
+    }
+    if let Some(distance) = &inspection.distance {
+        let both = &distance.distances;
+        let deviations = [
+            ("to reference", Some(both.to_reference)),
+            ("from reference", Some(both.from_reference)),
+            ("between boundaries", both.boundary),
+        ];
+        let text = |d: Deviation| format!("mean {:.4} %, largest {:.4} % of the reference's diagonal", d.mean, d.max);
+        rows.extend(deviations.into_iter().filter_map(|(name, d)| Some((name, text(d?)))));
     }
     rows
 }

@@ -1,6 +1,6 @@
 //! `quadloom view`
 
-use super::{check_output, done, is_any_output, read, write_text};
+use super::{OutputKind, check_output, done, read, write_text};
 use crate::args::ViewArgs;
 use quadloom::inspect::as_quads;
 use quadloom::mesh::repair::{RepairOptions, repair};
@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 /// Draws a mesh in a page.
 pub fn run(args: &ViewArgs) -> Result<ExitCode, RemeshError> {
-    check_output(&args.output, is_any_output)?;
+    check_output(&args.output, OutputKind::Page)?;
     let soup = read(&args.input)?;
     let reference = args.reference.as_deref().map(surface).transpose()?;
     let scene = match as_quads(&soup) {

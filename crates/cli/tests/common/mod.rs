@@ -91,6 +91,15 @@ impl Ran {
         assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
     }
 
+    /// Checks that there is a result that misses a request, and that every word is in the message.
+    #[track_caller]
+    pub fn fails_by_missing(&self, words: &[&str]) {
+        assert_eq!(self.code, 6, "{}", self.stderr);
+        for word in words {
+            assert!(self.stderr.contains(word), "{word} is not in: {}", self.stderr);
+        }
+    }
+
     /// Checks for success.
     #[track_caller]
     pub fn succeeds(&self) {
