@@ -173,7 +173,7 @@ fn prescribed_singular_vertices_are_the_irregular_ones() {
     assert_eq!(irregular.len(), 8);
     for v in irregular {
         let off = wanted.iter().map(|&w| norm(sub(points[v], w))).fold(f64::INFINITY, f64::min);
-        assert!(off < 0.2, "an irregular vertex {off} from the next prescribed one");
+        assert!(off < 1e-9, "an irregular vertex {off} from the next prescribed one");
     }
 }
 
@@ -190,13 +190,13 @@ fn a_written_list_of_singular_vertices_can_be_given_back() {
     let mut valence = vec![0; points.len()];
     quads.iter().flatten().for_each(|&v| valence[v] += 1);
     assert_eq!(valence.iter().filter(|&&n| n != 4).count(), given.len());
+    // There are no curves on it, so that each is exactly where it was given.
     let (surface, _) = shape(&bench, "genus2");
-    let edge = given.iter().map(|s| s["distance"].as_f64().expect("a distance")).fold(0.0, f64::max);
     for s in given {
         let at = surface[s["vertex"].as_u64().expect("a number") as usize];
         let wanted = 4 - s["quarters"].as_i64().expect("an index");
-        let near = (0..points.len()).filter(|&v| i64::from(valence[v]) == wanted).map(|v| norm(sub(points[v], at)));
-        assert!(near.fold(f64::INFINITY, f64::min) <= edge + 1e-9, "{s}");
+        let there = |v: &usize| i64::from(valence[*v]) == wanted && norm(sub(points[*v], at)) < 1e-9;
+        assert!((0..points.len()).any(|v| there(&v)), "{s}");
     }
 }
 

@@ -8,7 +8,7 @@ use crate::error::{RemeshError, Warning, WarningCode};
 use crate::features::{FeatureRequest, Features, find_features};
 use crate::options::{Fallback, RemeshOptions};
 use crate::report::Seconds;
-use crate::singularities::{SingularityRequest, impossible, on_work_mesh};
+use crate::singularities::{SingularityRequest, impossible, on_work_mesh, pinned};
 use crate::sizes::{SizeRequest, relative_sizes};
 use crate::split::split_surface;
 use crate::stages::{
@@ -278,8 +278,12 @@ impl<'a> Run<'a> {
         let integer_grid = &map.parametrization.map;
         let extraction = self.seconds.time("extraction", || extract_quads(&work, integer_grid, self.progress))?;
         let reference = self.seconds.time("reference", || Reference::new(self.request.mesh, &features.graph));
-        let quads =
-            self.seconds.time("finish", || finish_quads(&extraction, &reference, self.options, self.progress))?;
+        let pinned = match self.request.singularities[..] {
+            [] => None,
+            _ => Some(pinned(&extraction, &work, self.request, edge).map_err(|e| no_result("finish", e))?),
+        };
+        let raw = pinned.as_ref().unwrap_or(&extraction);
+        let quads = self.seconds.time("finish", || finish_quads(raw, &reference, self.options, self.progress))?;
         let ties = joined_ties(&work, &extraction, self.request, &ties);
         let solution = Solution { work, field, energy, map, extraction, ties, relocation };
         self.check_for_lost_parts(&solution, &quads)?;
@@ -361,7 +365,7 @@ impl<'a> Run<'a> {
         let why = if count as f64 > MOST_SINGULAR_REL * quads {
             format!("{count} singular vertices leave no room in {quads:.0} quads; ask for more quads")
         } else if let Some(why) = impossible(&work.mesh, singular.iter().map(|s| s.1)) {
-            why.to_string()
+            format!("{why}; give it more of them (--singularities)")
         } else {
             return Ok(());
         };

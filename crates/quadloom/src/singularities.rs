@@ -1,8 +1,8 @@
 //! Given singular vertices: whether a quad mesh can have them, where they are on a work mesh, whether the quads do.
 //!
 //! In: vertices of the input with indices in quarters. Out: an error before any work, or a [`SingularitySummary`].
-//! Holds: a vertex counts as found only if the quads have an irregular one of that index near it. Not: that a list that
-//! passes [`check_list`] has a quad mesh; what rules it out is only known in part.
+//! Holds: a vertex counts as found only if the quads have an irregular one of that index there, or nearer than an edge
+//! on a curve. Not: that a list that passes [`check_list`] has a quad mesh; what rules it out is only known in part.
 //! Source: [Bommes2012] §8.2 (indices sum to the Euler characteristic), §8.6 (prescribed irregular vertices);
 //! [Izmestiev2013] for the torus.
 
@@ -10,8 +10,9 @@ use crate::error::{RemeshError, Warning, WarningCode};
 use crate::options::Elements;
 use crate::part::{Part, PartRequest};
 use crate::stages::WorkMesh;
+use quadloom_extract::{Extraction, Placement};
 use quadloom_mesh::topology::euler_characteristic;
-use quadloom_mesh::{DVec3, QuadMesh, TriMesh, VertexId};
+use quadloom_mesh::{DVec3, MeshError, QuadConnectivity, QuadMesh, TriMesh, VertexId};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -53,8 +54,8 @@ const MOST_QUARTERS: i32 = 2;
 
 /// Distance between a given vertex and its irregular vertex, in mean quad edges, up to which it counts as found.
 ///
-/// The work mesh's nearest vertex is a quarter of an edge away, finishing moves vertices by up to one.
-const FOUND_REL: f64 = 1.5;
+/// Those inside the surface are exactly there ([`pinned`]); those on curves may slide.
+const FOUND_REL: f64 = 1.0;
 
 /// Distance of the next irregular vertex, in mean quad edges, from which a vertex counts as regular.
 const REGULAR_REL: f64 = 0.25;
@@ -162,41 +163,92 @@ pub fn singularity_summary(requests: &[PartRequest], parts: &[Part]) -> Option<S
     })
 }
 
+/// Irregular interior vertices of quads, to look for given ones among them.
+struct Irregular {
+    /// Place, vertex and index, along x.
+    list: Vec<(DVec3, VertexId, i32)>,
+    taken: Vec<bool>,
+}
+
+impl Irregular {
+    fn new(quads: &QuadConnectivity, place: impl Fn(VertexId) -> DVec3) -> Self {
+        let interior = quads.vertices().filter(|&v| !quads.is_boundary_vertex(v));
+        let mut list: Vec<(DVec3, VertexId, i32)> = interior
+            .map(|v| (v, 4 - quads.valence(v) as i32))
+            .filter(|i| i.1 != 0)
+            .map(|(v, quarters)| (place(v), v, quarters))
+            .collect();
+        list.sort_by(|a, b| a.0.x.total_cmp(&b.0.x));
+        let taken = vec![false; list.len()];
+        Self { list, taken }
+    }
+
+    /// Number in the list of the nearest one that is wanted and not taken, and its distance.
+    fn nearest(&self, p: DVec3, reach: f64, wanted: impl Fn(i32) -> bool) -> Option<(usize, f64)> {
+        let first = self.list.partition_point(|i| i.0.x < p.x - reach);
+        let slab = (first..self.list.len()).take_while(|&k| self.list[k].0.x <= p.x + reach);
+        slab.filter(|&k| !self.taken[k] && wanted(self.list[k].2))
+            .map(|k| (k, self.list[k].0.distance(p)))
+            .filter(|&(_, distance)| distance <= reach)
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The nearest one of an index, which is taken by that.
+    fn take(&mut self, p: DVec3, reach: f64, quarters: i32) -> Option<(VertexId, f64)> {
+        let (k, distance) = self.nearest(p, reach, |q| q == quarters)?;
+        self.taken[k] = true;
+        Some((self.list[k].1, distance))
+    }
+}
+
+/// The same extraction with the irregular vertices that stand for given ones at their places on the input, and fixed
+/// there, so that finishing does not carry them away; those on curves stay free to slide.
+///
+/// # Input      edge: mean length of the quads' edges, file units
+/// # Errors     none for positions that are finite
+pub fn pinned(
+    extraction: &Extraction,
+    work: &WorkMesh,
+    request: &PartRequest,
+    edge: f64,
+) -> Result<Extraction, MeshError> {
+    let mut pinned = extraction.clone();
+    let mut irregular = Irregular::new(&extraction.mesh, |v| extraction.origin[v].position(&work.mesh));
+    let mut position = extraction.mesh.positions().clone();
+    for s in request.singularities.iter().filter(|s| s.quarters != 0) {
+        let place = request.mesh.position(s.vertex);
+        let Some((v, _)) = irregular.take(place, edge, s.quarters) else { continue };
+        if extraction.placement[v] == Placement::Free {
+            pinned.placement[v] = Placement::Corner(s.vertex);
+            position[v] = place;
+        }
+    }
+    pinned.mesh = extraction.mesh.with_positions(position)?;
+    Ok(pinned)
+}
+
 /// Looks for given vertices among the irregular interior vertices of quads; each of those is taken once.
 ///
 /// # Input      edge: mean length of the quads' edges, file units
 /// # Cost       sorting, and for each given vertex the irregular ones in a slab around it
 fn look_for(list: &[SingularityRequest], mesh: &TriMesh, quads: &QuadMesh, edge: f64) -> SingularitySummary {
-    // 1. The irregular vertices, along x.
-    let interior = quads.vertices().filter(|&v| !quads.is_boundary_vertex(v));
-    let mut irregular: Vec<(VertexId, i32)> =
-        interior.map(|v| (v, 4 - quads.valence(v) as i32)).filter(|i| i.1 != 0).collect();
-    irregular.sort_by(|a, b| quads.position(a.0).x.total_cmp(&quads.position(b.0).x));
-    let mut taken = vec![false; irregular.len()];
-    let nearest = |taken: &[bool], p: DVec3, reach: f64, wanted: &dyn Fn(i32) -> bool| {
-        let first = irregular.partition_point(|i| quads.position(i.0).x < p.x - reach);
-        let slab = (first..irregular.len()).take_while(|&k| quads.position(irregular[k].0).x <= p.x + reach);
-        slab.filter(|&k| !taken[k] && wanted(irregular[k].1))
-            .map(|k| (k, quads.position(irregular[k].0).distance(p)))
-            .filter(|&(_, distance)| distance <= reach)
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-    };
-    // 2. Those with an index take theirs; then those that are to be regular have none beside them.
+    let mut irregular = Irregular::new(quads, |v| quads.position(v));
     let mut given = Vec::with_capacity(list.len());
+    // 1. Those with an index take theirs.
     for s in list {
         let mut report = SingularityReport { vertex: s.asked, quarters: s.quarters, found: true, distance: None };
         if s.quarters != 0 {
-            let hit = nearest(&taken, mesh.position(s.vertex), FOUND_REL * edge, &|q| q == s.quarters);
+            let hit = irregular.take(mesh.position(s.vertex), FOUND_REL * edge, s.quarters);
             report.found = hit.is_some();
             report.distance = hit.map(|(_, distance)| distance);
-            hit.into_iter().for_each(|(k, _)| taken[k] = true);
         }
         given.push(report);
     }
+    // 2. Those that are to be regular have no other one beside them.
     for (s, report) in list.iter().zip(&mut given).filter(|(s, _)| s.quarters == 0) {
-        report.found = nearest(&taken, mesh.position(s.vertex), REGULAR_REL * edge, &|_| true).is_none();
+        report.found = irregular.nearest(mesh.position(s.vertex), REGULAR_REL * edge, |_| true).is_none();
     }
-    SingularitySummary { given, others: taken.iter().filter(|&&t| !t).count() }
+    SingularitySummary { given, others: irregular.taken.iter().filter(|&&t| !t).count() }
 }
 
 /// Warnings about given vertices that the quads do not have, and about others where there should be none.
