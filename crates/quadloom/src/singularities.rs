@@ -12,7 +12,7 @@ use crate::part::{Part, PartRequest};
 use crate::stages::WorkMesh;
 use quadloom_extract::{Extraction, Placement};
 use quadloom_mesh::topology::euler_characteristic;
-use quadloom_mesh::{DVec3, MeshError, QuadConnectivity, QuadMesh, TriMesh, VertexId};
+use quadloom_mesh::{ClosestPoint, DVec3, MeshError, QuadConnectivity, QuadMesh, TriMesh, VertexId};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -122,16 +122,23 @@ pub fn impossible(mesh: &TriMesh, quarters: impl Iterator<Item = i32>) -> Option
         .then_some("no quad mesh of a torus has one vertex of valence 3, one of valence 5 and no other irregular one")
 }
 
-/// The nearest interior vertices of a work mesh.
+/// The nearest interior vertices of a work mesh, of those around the nearest face.
 ///
+/// # Output     without those beside which there is no interior vertex
 /// # Errors     two of them are one vertex: the quads are too large to tell them apart
-/// # Cost       the vertices of the work mesh for each one given
+/// # Cost       a search tree, if any are given, and a query for each
 pub fn on_work_mesh(work: &WorkMesh, request: &PartRequest) -> Result<Vec<(VertexId, i32)>, RemeshError> {
     let mesh = &work.mesh;
+    if request.singularities.is_empty() {
+        return Ok(Vec::new());
+    }
+    let tree = ClosestPoint::new(mesh);
     let nearest = |p: DVec3| {
-        let distance = |v: &VertexId| mesh.position(*v).distance_squared(p);
-        let interior = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v));
-        interior.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        let corners = mesh.face_vertices(tree.query(p).point.face);
+        let around = corners.into_iter().flat_map(|v| mesh.neighbours(v)).chain(corners);
+        let distance = |v: VertexId| mesh.position(v).distance_squared(p);
+        let interior = around.filter(|&v| !mesh.is_boundary_vertex(v));
+        interior.min_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)))
     };
     let mut taken: BTreeMap<VertexId, u32> = BTreeMap::new();
     let mut placed = Vec::with_capacity(request.singularities.len());
