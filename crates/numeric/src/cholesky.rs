@@ -57,6 +57,8 @@ pub enum CholeskyError {
 pub struct SparseCholesky {
     symbolic: SymbolicCholesky<u32>,
     values: Vec<f64>,
+    /// Entries of the matrix whose factor `values` is; empty where there is none.
+    factorized: Vec<f64>,
     last: usize,
 }
 
@@ -78,16 +80,18 @@ impl SparseCholesky {
             CholeskySymbolicParams::default(),
         )
         .map_err(|_| CholeskyError::TooLarge)?;
-        Ok(Self { symbolic, values: Vec::new(), last: last.len() })
+        Ok(Self { symbolic, values: Vec::new(), factorized: Vec::new(), last: last.len() })
     }
 
     /// Computes L for a matrix of the analysed pattern, replacing the last one.
     ///
     /// # Errors  [`CholeskyError::NotPositiveDefinite`] names the row of the first bad pivot
+    /// # Cost    that of a comparison where the matrix is the one of the last factorisation
     pub fn factorize(&mut self, matrix: &SparseSymmetric) -> Result<(), CholeskyError> {
-        if matrix.n() == 0 {
+        if matrix.n() == 0 || self.factorized == matrix.values() {
             return Ok(());
         }
+        self.factorized.clear();
         self.values.resize(self.symbolic.len_val(), 0.0);
         let mut memory = buffer(self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()))?;
         let a = SparseColMatRef::new(pattern(matrix), matrix.values());
@@ -106,7 +110,9 @@ impl SparseCholesky {
         done.map_err(|LltError::NonPositivePivot { index }| CholeskyError::NotPositiveDefinite {
             row: self.row_of_pivot(index.saturating_sub(self.first_pivot_index())),
         })?;
-        self.refuse_tiny_pivots(matrix)
+        self.refuse_tiny_pivots(matrix)?;
+        self.factorized.extend_from_slice(matrix.values());
+        Ok(())
     }
 
     /// Replaces b by the x with A·x = b.

@@ -342,7 +342,9 @@ impl Solver {
         stage: &mut Stage,
     ) -> Result<(Analysis, bool), SolveError> {
         let clock = Instant::now();
-        let known = self.analyses.iter().position(|a| a.last == last && a.pattern.same_pattern(matrix));
+        // Where no order is asked for, any will do.
+        let serves = |a: &Analysis| last.is_empty() || a.last == last;
+        let known = self.analyses.iter().position(|a| serves(a) && a.pattern.same_pattern(matrix));
         let analysis = match known {
             Some(at) => self.analyses.remove(at),
             None => Analysis {

@@ -42,7 +42,7 @@ pub(crate) struct State<'a> {
     pub pinned: VertexMap<bool>,
     /// Quality of each quad: its scaled Jacobian; negative where it faces against the surface.
     pub quality: Vec<f64>,
-    /// Whether quads face along the surface where its normals at their corners say so clearly.
+    /// Whether quads face along the surface where its normals at their corners say so clearly, or that at their centre.
     trusting: bool,
 }
 
@@ -140,7 +140,12 @@ impl<'a> State<'a> {
             return Facing::Along;
         }
         let centre = corner.iter().sum::<DVec3>() / 4.0;
-        self.reference.facing(corner, hint.unwrap_or_else(|| self.reference.closest.query(centre).point.face))
+        let closest = &self.reference.closest;
+        let nearest = hint.map_or_else(|| closest.query(centre), |face| closest.query_near(centre, face)).point.face;
+        if self.trusting && self.reference.mesh.vector_area(nearest).dot(normal) > 0.0 {
+            return Facing::Along;
+        }
+        self.reference.facing(corner, nearest)
     }
 
     /// Area-weighted normal of the quads around a vertex, not normalised.
