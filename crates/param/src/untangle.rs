@@ -245,7 +245,7 @@ fn descend(problem: &mut Region, map: &mut PlacedMap, options: &UntangleOptions,
 const MIN_DETERMINANT: f64 = 1e-3;
 
 /// Effort of a Newton step per face of the region.
-const EFFORT: usize = 3;
+const EFFORT: usize = 2;
 
 /// Newton steps spent on evening out a region once it is fold-free.
 const SETTLING_STEPS: u32 = 4;

@@ -130,14 +130,18 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
     let any_sharp = found.graph.edge_count() > named.graph.edge_count();
     let mut failure = no_result("remesh", "no attempt was made");
     let most_effort = run.most_effort();
+    let (mut tried_without, mut given_up) = (false, false);
     for (attempt, rung) in LADDER.iter().enumerate().take(request.attempts) {
         if !rung.sharp && !any_sharp && rung.same_sizes(&LADDER[0]) || run.is_hopeless(rung.sharp) {
             continue;
         }
-        if run.progress.spent() > most_effort {
-            run.warn(WarningCode::Retried, "further attempts would take too long and were not made".into());
-            break;
+        // Other features are worth a try even then: often it is one sharp edge that has no map.
+        let first_without = !rung.sharp && any_sharp && !tried_without;
+        if run.progress.spent() > if first_without { 2 * most_effort } else { most_effort } {
+            given_up = true;
+            continue;
         }
+        tried_without |= first_without;
         let features = if rung.sharp { &found } else { &named };
         match run.attempt(rung, features) {
             Ok((quads, solution, distances)) => {
@@ -153,6 +157,9 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
                 failure = e;
             }
         }
+    }
+    if given_up {
+        run.warn(WarningCode::Retried, "further attempts would take too long and were not made".into());
     }
     // 2. The last resort.
     match options.fallback {
@@ -186,10 +193,10 @@ struct Run<'a> {
 /// Share of inverted triangles in a map beyond which other sizes of about the same will not help either.
 const HOPELESS_SHARE: f64 = 0.03;
 
-/// Effort that any surface may take before its triangles are split, fifteen to thirty seconds, and as much more per quad.
+/// Effort that any surface may take before its triangles are split, about fifteen seconds, and as much more per quad.
 ///
 /// Attempts that succeed take up to a third of that, but for a few; with less, those few are split too.
-const LEAST_EFFORT: u64 = 30_000_000;
+const LEAST_EFFORT: u64 = 28_000_000;
 const EFFORT_PER_QUAD: u64 = 500;
 
 /// Interior singular vertices per quad beyond which no map is looked for.
