@@ -8,7 +8,9 @@ use crate::DVec3;
 use crate::ids::{EdgeId, EdgeMap, HalfEdgeId, VertexId, VertexMap};
 use crate::mesh::TriMesh;
 use crate::metric::dihedral_angle;
+use crate::topology::boundary_loops;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Number of a chain in [`FeatureGraph::chains`].
 pub type ChainId = u32;
@@ -56,7 +58,8 @@ pub struct FeatureOptions {
     /// sides stays one smooth chain, above it a hexagon does.
     pub corner_angle: f64,
     /// Length along a boundary, to either side, over which it must turn as much for a corner, file units: the saw teeth
-    /// of a scan's boundary are none. Default 0: the two edges at the vertex decide.
+    /// of a scan's boundary are none. Corners within half of it keep as many as they turn by right angles together.
+    /// Default 0: the two edges at the vertex decide.
     pub boundary_reach: f64,
     /// Connected pieces of sharp edges with an open end, and not attached to a boundary or guide, that are shorter than
     /// this are dropped, file units. Default 0: none is.
@@ -68,6 +71,11 @@ pub struct FeatureOptions {
     /// edges beside it. Default 0: none is.
     pub min_contrast: f64,
 }
+
+/// Distance of two corners of a boundary, relative to the reach, below which they are looked at together.
+///
+/// Larger: the ends of narrow tabs lose corners. Smaller: a thorn of the boundary is three corners where one has room.
+const CROWDED_REL: f64 = 0.5;
 
 impl Default for FeatureOptions {
     fn default() -> Self {
@@ -173,7 +181,11 @@ impl FeatureGraph {
             }
             _ => true,
         });
-        let mut graph = Self { chain_of: EdgeMap::filled(mesh.edge_count(), None), chains: Vec::new(), is_corner };
+        let chain_of = EdgeMap::filled(mesh.edge_count(), None);
+        let mut graph = Self { chain_of, chains: Vec::new(), is_corner };
+        for crowd in graph.crowds(mesh, kind, &at, options.boundary_reach) {
+            graph.thin_out(mesh, &crowd);
+        }
         // Open chains first, from each corner, so that a chain never starts in its middle; closed ones after.
         for corners_only in [true, false] {
             for e in mesh.edges() {
@@ -186,6 +198,68 @@ impl FeatureGraph {
             }
         }
         graph
+    }
+
+    /// Runs of vertices along the boundary, from a corner to another one, in which corners follow each other within half
+    /// the reach; only those with several corners.
+    fn crowds(
+        &self,
+        mesh: &TriMesh,
+        kind: &EdgeMap<Option<FeatureKind>>,
+        at: &VertexMap<Vec<EdgeId>>,
+        reach: f64,
+    ) -> Vec<Vec<VertexId>> {
+        let mut crowds = Vec::new();
+        if reach <= 0.0 {
+            return crowds;
+        }
+        let is_plain = |v: VertexId| at[v].len() == 2 && at[v].iter().all(|&e| kind[e] == Some(FeatureKind::Boundary));
+        for outline in boundary_loops(mesh) {
+            let outline: Vec<VertexId> = outline.iter().map(|&h| mesh.origin(h)).collect();
+            let n = outline.len();
+            let corners: Vec<usize> = (0..n).filter(|&i| self.is_corner[outline[i]] && is_plain(outline[i])).collect();
+            // 1. Vertices from each corner to the next one, if that is near.
+            let link = |k: usize| -> Option<Vec<VertexId>> {
+                let (from, to) = (corners[k], corners[(k + 1) % corners.len()]);
+                let steps = if to > from { to - from } else { to + n - from };
+                let run: Vec<VertexId> = (0..=steps).map(|i| outline[(from + i) % n]).collect();
+                let length: f64 = run.windows(2).map(|w| mesh.position(w[0]).distance(mesh.position(w[1]))).sum();
+                let is_free = run[1..steps].iter().all(|&v| !self.is_corner[v]);
+                (length < CROWDED_REL * reach && is_free).then_some(run)
+            };
+            let links: Vec<Option<Vec<VertexId>>> = (0..corners.len()).map(link).collect();
+            // 2. Those in a row, from one without a link before it; a loop of nothing but corners stays as it is.
+            let Some(start) = links.iter().position(Option::is_none) else { continue };
+            let mut crowd: Vec<VertexId> = Vec::new();
+            for i in 1..=links.len() {
+                match &links[(start + i) % links.len()] {
+                    Some(run) => crowd.extend(&run[usize::from(!crowd.is_empty())..]),
+                    None if !crowd.is_empty() => crowds.push(std::mem::take(&mut crowd)),
+                    None => {}
+                }
+            }
+        }
+        crowds
+    }
+
+    /// Leaves a run of the boundary as many corners as it turns by right angles, the sharpest ones that turn its way:
+    /// there is no room for quads between the others.
+    fn thin_out(&mut self, mesh: &TriMesh, crowd: &[VertexId]) {
+        let turn = |v: VertexId| {
+            let angle = |h: HalfEdgeId| {
+                let [o, a, b] = [h, mesh.next(h), mesh.prev(h)].map(|c| mesh.position(mesh.origin(c)));
+                (a - o).angle_between(b - o)
+            };
+            PI - mesh.outgoing(v).map(angle).sum::<f64>()
+        };
+        let whole: f64 = crowd.iter().map(|&v| turn(v)).sum();
+        let mut corners: Vec<(f64, VertexId)> =
+            crowd.iter().filter(|&&v| self.is_corner[v]).map(|&v| (turn(v) * whole.signum(), v)).collect();
+        corners.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let kept = (whole.abs() / FRAC_PI_2).round() as usize;
+        for &(_, v) in corners.iter().skip(kept) {
+            self.is_corner[v] = false;
+        }
     }
 
     fn walk(&mut self, mesh: &TriMesh, at: &VertexMap<Vec<EdgeId>>, kind: FeatureKind, start: VertexId, first: EdgeId) {
@@ -445,6 +519,35 @@ mod tests {
         assert!(corners(0.0) >= 19, "{}", corners(0.0));
         // Those within reach of the square corners see them turn.
         assert!((4..=8).contains(&corners(5.0)), "{}", corners(5.0));
+    }
+
+    #[test]
+    fn a_thorn_beside_a_bend_of_the_boundary_is_one_corner_and_a_tab_two() {
+        // The outline of a plate around a point inside, its right side bent inwards at (4, 0).
+        let plate = |extra: &[[f64; 2]]| {
+            let before = [[0.0, -4.0], [8.0, -4.0]];
+            let outline: Vec<[f64; 2]> =
+                before.iter().chain(extra).chain(&[[8.0, 4.0], [0.0, 4.0], [0.0, 0.0]]).copied().collect();
+            let at = |&[x, y]: &[f64; 2]| DVec3::new(x, y, 0.0);
+            let n = outline.len() as u32;
+            let positions: Vec<DVec3> = outline.iter().chain(&[[2.0, 0.0]]).map(at).collect();
+            let faces: Vec<[u32; 3]> = (0..n).map(|i| [i, (i + 1) % n, n]).collect();
+            TriMesh::new(positions, &faces).unwrap()
+        };
+        let corners = |mesh: &TriMesh, boundary_reach: f64| {
+            let options = FeatureOptions { boundary_reach, ..FeatureOptions::default() };
+            let (graph, _) = FeatureGraph::detect(mesh, &options);
+            check(mesh, &graph);
+            mesh.vertices().filter(|&v| graph.is_corner[v]).map(|v| mesh.position(v)).collect::<Vec<_>>()
+        };
+        // A bend of a right angle with a thorn in it: its feet turn against its tip, all three see a corner.
+        let thorn = plate(&[[4.0, -0.15], [4.3, 0.0], [4.0, 0.15]]);
+        assert_eq!(corners(&thorn, 0.0).len(), 7);
+        let left = corners(&thorn, 2.0);
+        assert_eq!(left.len(), 5, "{left:?}");
+        // The end of a narrow tab turns by two right angles.
+        let tab = plate(&[[8.0, -0.15], [12.0, -0.15], [12.0, 0.15], [8.0, 0.15]]);
+        assert_eq!(corners(&tab, 2.0).len(), 8);
     }
 
     #[test]

@@ -52,6 +52,8 @@ pub struct Charts {
     pub singular: Vec<(VertexId, i32)>,
     /// Sectors between two feature edges that the field gives no quarter turn: the map has to fold there.
     pub collapsed_sectors: Vec<VertexId>,
+    /// Sectors of three quarter turns and more, ascending by vertex.
+    pub wide_sectors: Vec<Sector>,
     /// One face per component, ascending.
     pub roots: Vec<FaceId>,
 }
@@ -99,8 +101,9 @@ impl Charts {
                 (quarter(relative(h)) + 4 - axis[mesh.face(h)]) % 4
             })
         });
-        let sectors = sectors(mesh, length, transport, features, field);
+        let mut sectors = sectors(mesh, length, transport, features, field);
         let (mut is_integer, collapsed_sectors) = feature_sectors(features, &sectors);
+        sectors.retain(|s| s.quarters >= 3);
         for &v in &cones {
             is_integer[v] = true;
         }
@@ -116,6 +119,7 @@ impl Charts {
             is_integer,
             singular,
             collapsed_sectors,
+            wide_sectors: sectors,
             roots,
         }
     }
@@ -126,6 +130,8 @@ impl Charts {
 pub struct Sector {
     /// The vertex.
     pub vertex: VertexId,
+    /// Its clockwise-most corner.
+    pub first: HalfEdgeId,
     /// Half-edges from the vertex strictly inside the sector, counter-clockwise.
     pub inside: Vec<HalfEdgeId>,
     /// Quarter turns that the field gives it.
@@ -215,7 +221,7 @@ pub fn sectors(
         let fan: Vec<HalfEdgeId> = mesh.outgoing(v).collect();
         let Some(start) = fan.iter().position(|&h| features.is_feature(mesh.edge(h))) else { continue };
         let mut sum = 0.0;
-        let mut inside = Vec::new();
+        let (mut inside, mut first) = (Vec::new(), fan[start]);
         for i in 0..fan.len() {
             let h = fan[(start + i) % fan.len()];
             if let Some(t) = mesh.twin(h).filter(|_| !features.is_feature(mesh.edge(h))) {
@@ -227,8 +233,9 @@ pub fn sectors(
             let next = mesh.edge(mesh.prev(h));
             if features.is_feature(next) || mesh.is_boundary_edge(next) || i + 1 == fan.len() {
                 let quarters = (sum / FRAC_PI_2).round() as i64;
-                sectors.push(Sector { vertex: v, inside: std::mem::take(&mut inside), quarters });
+                sectors.push(Sector { vertex: v, first, inside: std::mem::take(&mut inside), quarters });
                 sum = 0.0;
+                first = fan[(start + i + 1) % fan.len()];
             }
         }
     }

@@ -6,7 +6,7 @@
 //! Source: [Bommes2012] §6, Eq. (6.1); consistency by construction as asked for in [Ebke2013] §4.
 
 use crate::charts::Charts;
-use crate::fans::{Saddle, is_wrong, saddles};
+use crate::fans::{Saddle, is_wrong, saddles, wide_corners};
 use crate::integer_grid_map::{GRID_UNIT, IntegerGridMap, LatticePoint, Transition, rotate};
 use quadloom_mesh::{CornerMap, EdgeMap, FaceId, HalfEdgeMap, TriConnectivity, VertexId, VertexMap};
 use std::sync::Arc;
@@ -24,6 +24,8 @@ pub struct PlacedMap {
     pub transition: Arc<HalfEdgeMap<Transition>>,
     /// Interior singular vertices with more than four quarter turns, ascending.
     pub saddles: Vec<Saddle>,
+    /// Sectors between features with three quarter turns or more, ascending.
+    pub wide_corners: Vec<Saddle>,
 }
 
 /// A solution that does not close up.
@@ -89,8 +91,9 @@ impl PlacedMap {
             }
         }
         // 5. Turns that triangles without inversion can still miss.
-        let saddles = saddles(mesh, charts);
-        Ok(Self { point, fixed, to_corner: Arc::new(to_corner), transition: Arc::new(transition), saddles })
+        let (saddles, wide_corners) = (saddles(mesh, charts), wide_corners(charts));
+        let (to_corner, transition) = (Arc::new(to_corner), Arc::new(transition));
+        Ok(Self { point, fixed, to_corner, transition, saddles, wide_corners })
     }
 
     /// Image of a corner, grid units.
@@ -114,11 +117,28 @@ impl PlacedMap {
         IntegerGridMap { uv, transition: (*self.transition).clone() }
     }
 
-    /// Inverted or degenerate faces of the exact map and the faces around wrongly wound saddles, ascending.
+    /// The fans that can turn wrongly without a fold.
+    pub fn fans(&self) -> impl Iterator<Item = Saddle> {
+        self.saddles.iter().chain(&self.wide_corners).copied()
+    }
+
+    /// Those at some vertices, first the saddles, then the wide corners; and whether each is a saddle.
+    ///
+    /// # Cost       logarithmic per vertex
+    pub fn fans_at<'a>(&'a self, vertices: &'a [VertexId]) -> impl Iterator<Item = (Saddle, bool)> + 'a {
+        fn at(fans: &[Saddle], v: VertexId) -> impl Iterator<Item = Saddle> {
+            let from = fans.partition_point(|s| s.vertex < v);
+            fans[from..].iter().copied().take_while(move |s| s.vertex == v)
+        }
+        let of = move |fans: &'a [Saddle]| vertices.iter().flat_map(move |&v| at(fans, v));
+        of(&self.saddles).map(|s| (s, true)).chain(of(&self.wide_corners).map(|s| (s, false)))
+    }
+
+    /// Inverted or degenerate faces of the exact map and the faces around wrongly wound fans, ascending.
     pub fn folded_faces(&self, mesh: &TriConnectivity) -> Vec<FaceId> {
         let mut folded = self.to_lattice(mesh).inverted_faces(mesh);
-        for &saddle in self.saddles.iter().filter(|&&s| is_wrong(mesh, self, s)) {
-            folded.extend(mesh.outgoing(saddle.vertex).map(|h| mesh.face(h)));
+        for saddle in self.fans().filter(|&s| is_wrong(mesh, self, s)) {
+            folded.extend(saddle.fan(mesh).map(|h| mesh.face(h)));
         }
         folded.sort_unstable();
         folded.dedup();

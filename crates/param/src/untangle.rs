@@ -173,7 +173,7 @@ fn untangle_region(
     (steps, whole.vertices)
 }
 
-/// Places the neighbours of the saddles that need it; returns these saddles and their neighbours.
+/// Places the neighbours of the vertices whose fans need it; returns these vertices and their neighbours.
 fn lay_out_fans(
     mesh: &TriConnectivity,
     map: &mut PlacedMap,
@@ -182,14 +182,14 @@ fn lay_out_fans(
 ) -> (Vec<VertexId>, Vec<VertexId>) {
     let moves = |v: VertexId| region.vertices.binary_search(&v).is_ok();
     let (mut centres, mut held) = (Vec::new(), Vec::new());
-    for saddle in map.saddles.clone() {
-        let fan: Vec<FaceId> = mesh.outgoing(saddle.vertex).map(|h| mesh.face(h)).collect();
-        let inside = fan.iter().all(|f| region.faces.binary_search(f).is_ok());
-        if !inside || !mesh.neighbours(saddle.vertex).all(|w| moves(w) && !held.contains(&w) && !centres.contains(&w)) {
+    for (saddle, is_cone) in map.fans_at(&region.vertices).collect::<Vec<_>>() {
+        // Vertices that may move have all their faces in the region.
+        if !mesh.neighbours(saddle.vertex).all(|w| moves(w) && !held.contains(&w) && !centres.contains(&w)) {
             continue;
         }
-        let folded = is_wrong(mesh, map, saddle)
-            || fan.iter().any(|&f| determinant(jacobian(&gradient[f], map.face(mesh, f))) <= 0.0);
+        // Wide corners open by themselves unless a feature runs backwards.
+        let is_folded = |f: FaceId| determinant(jacobian(&gradient[f], map.face(mesh, f))) <= 0.0;
+        let folded = is_wrong(mesh, map, saddle) || is_cone && saddle.fan(mesh).any(|h| is_folded(mesh.face(h)));
         if let Some(places) = folded.then(|| unfolded(mesh, map, gradient, saddle)).flatten() {
             centres.push(saddle.vertex);
             for (w, p) in places {
@@ -260,7 +260,10 @@ struct Region<'a> {
     faces: Vec<FaceId>,
     /// Corner data of each face: vertex, transform, unknown number of each coordinate of the vertex.
     corners: Vec<[Corner; 3]>,
+    /// Vertices that may move, ascending.
     vertices: Vec<VertexId>,
+    /// Vertices of the faces, ascending.
+    touched: Vec<VertexId>,
     /// First unknown of each free coordinate, by listed vertex.
     unknown_of: Vec<[Option<u32>; 2]>,
     unknowns: usize,
@@ -287,6 +290,7 @@ impl<'a> Region<'a> {
         let mut inside: Vec<VertexId> = region.iter().flat_map(|&f| mesh.face_vertices(f)).collect();
         inside.sort_unstable();
         inside.dedup();
+        let touched = inside.clone();
         // A vertex may move if all its faces are in the region.
         let holds = |f: FaceId| region.binary_search(&f).is_ok();
         inside.retain(|&v| held.binary_search(&v).is_err() && mesh.outgoing(v).all(|h| holds(mesh.face(h))));
@@ -314,10 +318,19 @@ impl<'a> Region<'a> {
                 })
             })
             .collect();
-        Self { gradient, faces: region.to_vec(), corners, vertices: inside, unknown_of, unknowns, solver: None }
+        Self {
+            gradient,
+            faces: region.to_vec(),
+            corners,
+            vertices: inside,
+            touched,
+            unknown_of,
+            unknowns,
+            solver: None,
+        }
     }
 
-    /// Inverted faces of the exact map, and wrongly wound saddles.
+    /// Inverted faces of the exact map, and wrongly wound fans.
     fn folds(&self, mesh: &TriConnectivity, map: &PlacedMap) -> usize {
         let unit = crate::integer_grid_map::GRID_UNIT as f64;
         let is_inverted = |f: &&FaceId| {
@@ -326,9 +339,8 @@ impl<'a> Region<'a> {
                 .map(|h| map.to_corner[h].apply(map.point[mesh.origin(h)].map(|x| (x * unit).round() as i64)));
             crate::integer_grid_map::signed_area(a, b, c) <= 0
         };
-        let is_here = |v: VertexId| mesh.outgoing(v).any(|h| self.faces.binary_search(&mesh.face(h)).is_ok());
-        let is_wound_wrongly = |s: &&Saddle| is_here(s.vertex) && is_wrong(mesh, map, **s);
-        self.faces.iter().filter(is_inverted).count() + map.saddles.iter().filter(is_wound_wrongly).count()
+        let is_wound_wrongly = |(s, _): &(Saddle, bool)| is_wrong(mesh, map, *s);
+        self.faces.iter().filter(is_inverted).count() + map.fans_at(&self.touched).filter(is_wound_wrongly).count()
     }
 
     fn jacobian(&self, map: &PlacedMap, i: usize) -> [[f64; 2]; 2] {

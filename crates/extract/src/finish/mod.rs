@@ -78,6 +78,15 @@ const LEAST_QUALITY: f64 = 0.05;
 /// Sweeps after vertices were pinned to joints: their neighbours move by a fraction of an edge.
 const SWEEPS_AFTER_PINNING: usize = 8;
 
+/// Sweeps after each round of pinning vertices to joints: those that were in each other's way go in the second one.
+const SWEEPS_AFTER_JOINTS: [usize; 2] = [SWEEPS_AFTER_PINNING, 3];
+
+/// Scaled Jacobian down to which quads may get worse for a joint.
+const JOINT_FLOOR: f64 = 0.3;
+
+/// The same for what no vertex has reached at the end: the other vertices of such quads are moved once more after it.
+const LAST_JOINT_FLOOR: f64 = 0.12;
+
 /// Strides towards tips, and sweeps after each.
 const TIP_ROUNDS: usize = 5;
 
@@ -169,9 +178,13 @@ pub fn finish(
     let settled = options.settled_rel * edge;
     report.sweeps += sweep_until(&mut state, aim, settled, options.sweeps, progress)?;
     // 4. Joints of coarse curves get a vertex, to which the others adapt.
-    report.pinned = settle_on_joints(&mut state, edge);
-    if report.pinned > 0 {
-        report.sweeps += sweep_until(&mut state, aim, settled, options.sweeps.min(SWEEPS_AFTER_PINNING), progress)?;
+    for sweeps in SWEEPS_AFTER_JOINTS {
+        let pinned = settle_on_joints(&mut state, edge, JOINT_FLOOR, aim, progress)?;
+        report.pinned += pinned;
+        if pinned == 0 {
+            break;
+        }
+        report.sweeps += sweep_until(&mut state, aim, settled, options.sweeps.min(sweeps), progress)?;
     }
     // 5. The worst ones by themselves.
     report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
@@ -198,7 +211,13 @@ pub fn finish(
         report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
         state.project_all();
     }
-    // 8. A feature is given up where it alone keeps a quad inverted.
+    // 8. Joints that are cut off still.
+    let pinned = settle_on_joints(&mut state, edge, LAST_JOINT_FLOOR, aim, progress)?;
+    if pinned > 0 {
+        report.pinned += pinned;
+        report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
+    }
+    // 9. A feature is given up where it alone keeps a quad inverted.
     for rings in 0..RELEASE_RINGS {
         if !options.release || state.bad_quads() == 0 {
             break;
