@@ -4,11 +4,13 @@
     orientation.py OUT.obj IN.obj
 
 Prints JSON:
-  facing_against   quads whose normal (cross of the diagonals) points against every nearby sample of the input
+  facing_against   quads whose normal (cross of the diagonals) points against every triangle of the input that is
+                   nearest to their centre; on a ridge several are
   boundary_mean, boundary_max
                    distance between the boundary curves, both ways, % of the input's bounding-box diagonal
 
-Independent of the command: reads the two files and nothing else. Sampled; deterministic.
+Independent of the command: reads the two files and nothing else. Triangles to be compared are found by samples, their
+distances are exact; boundaries are sampled; deterministic.
 """
 import json
 import sys
@@ -18,7 +20,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 SURFACE_SAMPLES = 400_000
-NEIGHBOURS = 12
+NEIGHBOURS = 48
+# Triangles that are farther than the nearest one by less than this part of the diagonal are as near: rounding.
+AS_NEAR = 1e-9
 # Boundary curves are sampled at this part of the diagonal, which is the error of the figures.
 BOUNDARY_SPACING = 5e-5
 
@@ -36,17 +40,37 @@ def load(path):
     return np.array(points, float).reshape(-1, 3), faces
 
 
-def surface_samples(points, faces):
-    tris = np.array([(f[0], f[k], f[k + 1]) for f in faces for k in range(1, len(f) - 1)], int)
-    a, b, c = (points[tris[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    area = np.linalg.norm(normal, axis=1)
-    normal /= np.maximum(area, 1e-300)[:, None]
+def triangles(points, faces):
+    return points[np.array([(f[0], f[k], f[k + 1]) for f in faces for k in range(1, len(f) - 1)], int)]
+
+
+def surface_samples(corner):
+    """Points on the triangles, and the triangle of each."""
+    a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     rng = np.random.default_rng(1)
-    pick = rng.choice(len(tris), SURFACE_SAMPLES, p=area / area.sum())
+    pick = rng.choice(len(corner), SURFACE_SAMPLES, p=area / area.sum())
     s, t = np.sqrt(rng.random(len(pick)))[:, None], rng.random(len(pick))[:, None]
     random = a[pick] * (1 - s) + b[pick] * (s * (1 - t)) + c[pick] * (s * t)
-    return np.vstack([random, (a + b + c) / 3]), np.vstack([normal[pick], normal])
+    return np.vstack([random, (a + b + c) / 3]), np.concatenate([pick, np.arange(len(corner))])
+
+
+def to_segment(p, a, b):
+    along = b - a
+    t = ((p - a) * along).sum(-1) / np.maximum((along * along).sum(-1), 1e-300)
+    return np.linalg.norm(a + along * np.clip(t, 0, 1)[..., None] - p, axis=-1)
+
+
+def to_triangle(p, a, b, c):
+    """Exact distances of points from triangles."""
+    normal = np.cross(b - a, c - a)
+    inside = np.ones(a.shape[:-1], bool)
+    for u, v in ((a, b), (b, c), (c, a)):
+        inside &= (np.cross(v - u, p - u) * normal).sum(-1) >= 0
+    length = np.linalg.norm(normal, axis=-1)
+    height = np.abs(((p - a) * normal).sum(-1)) / np.maximum(length, 1e-300)
+    rim = np.minimum(np.minimum(to_segment(p, a, b), to_segment(p, b, c)), to_segment(p, c, a))
+    return np.where(inside & (length > 0), height, rim)
 
 
 def facing_against(points, faces, ref_points, ref_faces):
@@ -55,9 +79,16 @@ def facing_against(points, faces, ref_points, ref_faces):
         return 0
     corner = points[quads]
     normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
-    where, theirs = surface_samples(ref_points, ref_faces)
-    _, near = cKDTree(where).query(corner.mean(axis=1), k=NEIGHBOURS)
-    return int(((theirs[near] * normal[:, None, :]).sum(-1).max(axis=1) < 0).sum())
+    theirs = triangles(ref_points, ref_faces)
+    where, owner = surface_samples(theirs)
+    centre = corner.mean(axis=1)
+    _, near = cKDTree(where).query(centre, k=NEIGHBOURS)
+    a, b, c = (theirs[owner[near]][:, :, k] for k in range(3))
+    distance = to_triangle(centre[:, None, :], a, b, c)
+    least = distance.min(axis=1, keepdims=True)
+    is_nearest = distance <= least + AS_NEAR * np.linalg.norm(np.ptp(ref_points, axis=0))
+    along = (np.cross(b - a, c - a) * normal[:, None, :]).sum(-1)
+    return int((np.where(is_nearest, along, -np.inf).max(axis=1) < 0).sum())
 
 
 def boundary(faces):

@@ -19,7 +19,9 @@ const MOST_COVERED: usize = 200;
 pub enum Facing {
     /// As it should.
     Along,
-    /// Its centre is nearest to a face that it faces against, but what it covers is not, as a whole.
+    /// Its centre is nearest to a face that it faces against, but the mean of what it covers is along it.
+    Wrinkled,
+    /// Its centre faces against what it covers there, but most of its other points do not: perhaps a thin sheet.
     Unclear,
     /// Against the surface that it covers, whose unit normal this is.
     Against(DVec3),
@@ -56,9 +58,9 @@ impl<'a> Reference<'a> {
 
     /// How a quad faces at five points: its centre, and half way from there to the corners.
     ///
-    /// It faces against the surface if it does so at its centre and at two other points at least, and there against the
-    /// mean of the surface that it covers, not only against the nearest face: one point alone may be nearest to the other
-    /// side of a thin sheet, one face alone may be the side of a wrinkle that is smaller than the quad.
+    /// It faces against the surface if it does so at its centre and at two other points at least: against the nearest
+    /// faces, or against the mean of what it covers there. One point alone may be nearest to the other side of a thin
+    /// sheet, and one face alone may be the side of a wrinkle that is smaller than the quad.
     ///
     /// # Input      hint: a face near the quad
     /// # Cost       five closest-point queries; where one of the nearest faces does face against the quad, also a visit of
@@ -72,6 +74,10 @@ impl<'a> Reference<'a> {
         if against.iter().all(|a| !a) {
             return Facing::Along;
         }
+        let normal_of = |f: FaceId| self.mesh.vector_area(f).normalize_or_zero();
+        if against[0] && against.iter().filter(|a| **a).count() >= 3 {
+            return Facing::Against(normal_of(self.closest.query_near(points[0], hint).point.face));
+        }
         // 2. What the quad covers.
         let reach = 0.5 * corner[0].distance(corner[2]).max(corner[1].distance(corner[3]));
         let [centre, middles @ ..] = points;
@@ -80,7 +86,11 @@ impl<'a> Reference<'a> {
         if around.dot(normal) < 0.0 && middles.iter().filter(|p| is_against(p)).take(2).count() == 2 {
             return Facing::Against(around.normalize_or_zero());
         }
-        if against[0] { Facing::Unclear } else { Facing::Along }
+        match against[0] {
+            true if around.dot(normal) < 0.0 => Facing::Unclear,
+            true => Facing::Wrinkled,
+            false => Facing::Along,
+        }
     }
 
     /// The mean normal, not normalised, of the face nearest to a point and of those joined to it that have a vertex or
@@ -173,7 +183,7 @@ mod tests {
         let quad = [(1.9, 1.9), (2.1, 1.9), (2.1, 2.1), (1.9, 2.1)].map(|(x, y)| DVec3::new(x, y, 0.0));
         let wide = [(0.5, 0.5), (3.5, 0.5), (3.5, 3.5), (0.5, 3.5)].map(|(x, y)| DVec3::new(x, y, 0.0));
         let hint = FaceId(4);
-        assert_eq!(reference.facing(wide, hint), Facing::Unclear);
+        assert_eq!(reference.facing(wide, hint), Facing::Wrinkled);
         let [a, b, c, d] = wide;
         assert!(reference.faces_against([d, c, b, a], hint));
         // One that is smaller than the fold stands for the fold's own side.

@@ -131,6 +131,7 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
     let mut failure = no_result("remesh", "no attempt was made");
     let most_effort = run.most_effort();
     let (mut tried_without, mut given_up) = (false, false);
+    let mut reserve: Option<Passed> = None;
     for (attempt, rung) in LADDER.iter().enumerate().take(request.attempts) {
         if !rung.sharp && !any_sharp && rung.same_sizes(&LADDER[0]) || run.is_hopeless(rung.sharp) {
             continue;
@@ -144,22 +145,27 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
         tried_without |= first_without;
         let features = if rung.sharp { &found } else { &named };
         match run.attempt(rung, features) {
-            Ok((quads, solution, distances)) => {
-                if !rung.sharp && any_sharp {
-                    run.warn_of_dropped(found.graph.edge_count() - named.graph.edge_count());
+            Ok(mut passed) => {
+                passed.attempt = attempt;
+                if passed.is_clear() {
+                    return Ok(run.accept(passed, &found));
                 }
-                return Ok(run.part(quads, features.clone(), Some(solution), attempt, distances));
+                // Another attempt may be clear.
+                run.retried(attempt, &passed.doubt());
+                reserve.get_or_insert(passed);
             }
             Err(e @ (RemeshError::Cancelled(_) | RemeshError::Mismatch { .. })) => return Err(e),
             Err(e) => {
-                let size = if attempt == 0 { "at the first size" } else { "at a slightly other size" };
-                run.warn(WarningCode::Retried, format!("no valid quads {size}: {e}"));
+                run.retried(attempt, &e.to_string());
                 failure = e;
             }
         }
     }
     if given_up {
         run.warn(WarningCode::Retried, "further attempts would take too long and were not made".into());
+    }
+    if let Some(passed) = reserve {
+        return Ok(run.accept(passed, &found));
     }
     // 2. The last resort.
     match options.fallback {
@@ -168,6 +174,29 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
             let (quads, distances) = run.split(&found, &failure)?;
             Ok(run.part(quads, found, None, LADDER.len(), distances))
         }
+    }
+}
+
+/// Quads of one attempt that passed verification.
+struct Passed {
+    quads: QuadMesh,
+    solution: Solution,
+    distances: Option<Distances>,
+    features: Features,
+    attempt: usize,
+    /// What should be known if they are the result.
+    warnings: Vec<Warning>,
+}
+
+impl Passed {
+    /// Whether all quads clearly face along the surface.
+    fn is_clear(&self) -> bool {
+        self.warnings.iter().all(|w| w.code != WarningCode::FacingUnclear)
+    }
+
+    fn doubt(&self) -> String {
+        let unclear = self.warnings.iter().find(|w| w.code == WarningCode::FacingUnclear);
+        unclear.map_or_else(String::new, |w| w.message.clone())
     }
 }
 
@@ -234,6 +263,23 @@ impl<'a> Run<'a> {
         self.warnings.push(Warning::new(code, message));
     }
 
+    fn retried(&mut self, attempt: usize, why: &str) {
+        let size = if attempt == 0 { "at the first size" } else { "at a slightly other size" };
+        self.warn(WarningCode::Retried, format!("no valid quads {size}: {why}"));
+    }
+
+    /// The result of an attempt becomes that of the run.
+    ///
+    /// # Input      found: all features, of which the attempt may have given up some
+    fn accept(mut self, passed: Passed, found: &Features) -> Part {
+        let dropped = found.graph.edge_count() - passed.features.graph.edge_count();
+        if dropped > 0 {
+            self.warn_of_dropped(dropped);
+        }
+        self.warnings.extend(passed.warnings);
+        self.part(passed.quads, passed.features, Some(passed.solution), passed.attempt, passed.distances)
+    }
+
     fn warn_of_dropped(&mut self, edges: usize) {
         let message = format!("no map that follows the {edges} sharp edges was found; they were not kept");
         self.warn(WarningCode::SharpEdgesDropped, message);
@@ -255,11 +301,7 @@ impl<'a> Run<'a> {
     }
 
     /// One way through the stages, verified.
-    fn attempt(
-        &mut self,
-        rung: &Attempt,
-        features: &Features,
-    ) -> Result<(QuadMesh, Solution, Option<Distances>), RemeshError> {
+    fn attempt(&mut self, rung: &Attempt, features: &Features) -> Result<Passed, RemeshError> {
         let quads = rung.quads * self.request.quads as f64;
         let edge = (self.area / quads).sqrt();
         let (work, field, energy) = match &self.request.field {
@@ -294,9 +336,9 @@ impl<'a> Run<'a> {
         let ties = joined_ties(&work, &extraction, self.request, &ties);
         let solution = Solution { work, field, energy, map, extraction, ties, relocation };
         self.check_for_lost_parts(&solution, &quads)?;
-        let distances = self.checked(&quads, &reference)?;
-        self.warnings.extend(fold_warning(&solution));
-        Ok((quads, solution, distances))
+        let (distances, unclear) = self.checked(&quads, &reference)?;
+        let warnings = unclear.into_iter().chain(fold_warning(&solution)).collect();
+        Ok(Passed { quads, solution, distances, features: features.clone(), attempt: 0, warnings })
     }
 
     /// The input's own triangles with the field that was given: only the count varies between attempts.
@@ -428,20 +470,25 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Distances of quads that pass verification.
-    fn checked(&mut self, quads: &QuadMesh, reference: &Reference) -> Result<Option<Distances>, RemeshError> {
+    /// Distances of quads that pass verification, and a warning where the facing of some is unclear.
+    fn checked(
+        &mut self,
+        quads: &QuadMesh,
+        reference: &Reference,
+    ) -> Result<(Option<Distances>, Option<Warning>), RemeshError> {
         self.progress.report("verify", 0.0);
         let verification = self.seconds.time("verify", || verify(quads, reference));
         if !verification.passed() {
             return Err(no_result("verification", verification.complaint()));
         }
-        if let [first, ..] = verification.unclear[..] {
+        let unclear = verification.unclear.first().map(|first| {
             let count = verification.unclear.len();
             let message = format!("{count} quads may face against the input (first: {first}): their centres do");
-            self.warn(WarningCode::FacingUnclear, message);
-        }
+            Warning::new(WarningCode::FacingUnclear, message)
+        });
         let measure = || self.options.measure_distance.then(|| Distances::measure(quads, reference)).transpose();
-        self.seconds.time("distances", measure).map_err(|e| no_result("report", e))
+        let distances = self.seconds.time("distances", measure).map_err(|e| no_result("report", e))?;
+        Ok((distances, unclear))
     }
 
     /// Split triangles, verified.
@@ -459,7 +506,8 @@ impl<'a> Run<'a> {
         };
         let quads = self.seconds.time("split", split).map_err(because)?;
         let reference = Reference::new(request.mesh, &features.graph);
-        let distances = self.checked(&quads, &reference).map_err(because)?;
+        let (distances, unclear) = self.checked(&quads, &reference).map_err(because)?;
+        self.warnings.extend(unclear);
         let message = format!("no map without folds was found ({failure}); triangles were split into quads instead");
         self.warn(WarningCode::TrianglesSplit, message);
         Ok((quads, distances))

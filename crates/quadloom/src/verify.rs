@@ -19,9 +19,9 @@ pub struct Verification {
     pub inverted: Vec<FaceId>,
     /// Quads that face against the surface they cover ([`Reference::faces_against`]), ascending.
     pub against: Vec<FaceId>,
-    /// Quads of which that is so at the centre but not all around it, and not at their corners either, ascending; they
-    /// do not keep the quads from passing. Beside a thin sheet, or on a rough surface, the face nearest to the centre is
-    /// often not the one that the quad stands for.
+    /// Quads of which that is so at the centre but not all around it, ascending; they do not keep the quads from passing.
+    /// On a rough surface, the face nearest to the centre is often not one that the quad stands for; beside a thin sheet,
+    /// neither is what surrounds it, so that there the corners are asked too.
     pub unclear: Vec<FaceId>,
 }
 
@@ -63,18 +63,21 @@ pub fn verify(quads: &QuadMesh, reference: &Reference) -> Verification {
     let corners = |f: FaceId| quads.face_vertices(f).map(|v| quads.position(v));
     let all: Vec<FaceId> = quads.faces().collect();
     let nearest = |f: FaceId| reference.closest.query(corners(f).iter().sum::<DVec3>() / 4.0).point.face;
-    let doubtful = |f: FaceId| {
-        let facing = reference.facing(corners(f), nearest(f));
-        (facing != Facing::Along).then_some((f, matches!(facing, Facing::Against(_))))
+    let facing: Vec<(FaceId, Facing)> =
+        all.into_par_iter().map(|f| (f, reference.facing(corners(f), nearest(f)))).collect();
+    let those = |wanted: &dyn Fn(FaceId, Facing) -> bool| -> Vec<FaceId> {
+        facing.iter().filter(|q| wanted(q.0, q.1)).map(|q| q.0).collect()
     };
-    let doubtful: Vec<(FaceId, bool)> = all.into_par_iter().filter_map(doubtful).collect();
-    let those = |against: bool| doubtful.iter().filter(move |d| d.1 == against).map(|d| d.0);
     Verification {
         expected: Summary::of(reference.mesh),
         found: Summary::of(quads),
         inverted: quads.faces().filter(|&f| scaled_jacobian(corners(f)) < LEAST_JACOBIAN).collect(),
-        against: those(true).collect(),
-        unclear: those(false).filter(|&f| !reference.faces_along_at_corners(corners(f))).collect(),
+        against: those(&|_, facing| matches!(facing, Facing::Against(_))),
+        unclear: those(&|f, facing| match facing {
+            Facing::Wrinkled => true,
+            Facing::Unclear => !reference.faces_along_at_corners(corners(f)),
+            Facing::Along | Facing::Against(_) => false,
+        }),
     }
 }
 

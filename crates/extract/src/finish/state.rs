@@ -97,7 +97,7 @@ impl<'a> State<'a> {
         let jacobian = scaled_jacobian(corner);
         match self.facing(f, corner) {
             Facing::Along => jacobian,
-            Facing::Unclear => jacobian.min(UNCLEAR),
+            Facing::Wrinkled | Facing::Unclear => jacobian.min(UNCLEAR),
             Facing::Against(normal) => worst_corner(corner, normal).min(0.0) - 1e-9,
         }
     }

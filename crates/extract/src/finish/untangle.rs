@@ -48,7 +48,54 @@ pub(crate) fn improve_beside(
     rounds: usize,
     progress: &Progress,
 ) -> Result<usize, Cancelled> {
-    improve_within(state, threshold, rounds, Reach::Beside, progress)
+    let mut moves = 0;
+    for _ in 0..LIFTS {
+        moves += improve_within(state, threshold, rounds, Reach::Beside, progress)?;
+        let bad: Vec<FaceId> = state.quads.faces().filter(|&f| state.is_bad(f)).collect();
+        for &f in &bad {
+            progress.check()?;
+            moves += usize::from(lift(state, f));
+        }
+        if bad.is_empty() {
+            break;
+        }
+    }
+    Ok(moves)
+}
+
+/// Heights to which a whole quad is lifted, relative to the square root of its area: above folds that are smaller than
+/// it.
+const HEIGHTS_REL: [f64; 10] = [0.05, -0.05, 0.1, -0.1, 0.2, -0.2, 0.35, -0.35, 0.5, -0.5];
+
+/// Rounds of lifting, single vertices and whole quads by turns.
+const LIFTS: usize = 3;
+
+/// Lifts those corners of a quad that may leave the surface, all to the same height; takes it back where the worst quad
+/// around does not get better.
+fn lift(state: &mut State, f: FaceId) -> bool {
+    let corners: Vec<VertexId> = state.quads.face_vertices(f).into_iter().filter(|&v| state.may_move(v)).collect();
+    let mut faces: Vec<FaceId> =
+        corners.iter().flat_map(|&v| state.quads.outgoing(v).map(|h| state.quads.face(h))).collect();
+    faces.sort_unstable();
+    faces.dedup();
+    let [a, b, c, d] = state.corners(f);
+    let normal = (c - a).cross(d - b);
+    let unit = normal.normalize_or_zero() * (0.5 * normal.length()).sqrt();
+    let start: Vec<Move> = corners.iter().map(|&v| state.place(v)).collect();
+    let before = state.worst_above(&faces, f64::NEG_INFINITY);
+    for height in HEIGHTS_REL {
+        for (&v, from) in corners.iter().zip(&start) {
+            state.put(v, Move { position: from.position + unit * height, tie: from.tie.off_surface() });
+        }
+        if state.worst_above(&faces, before + LEAST_GAIN) > before + LEAST_GAIN {
+            for &f in &faces {
+                state.quality[f.index()] = state.measure(f);
+            }
+            return true;
+        }
+    }
+    corners.iter().zip(start).for_each(|(&v, from)| state.put(v, from));
+    false
 }
 
 fn improve_within(
