@@ -20,7 +20,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 SURFACE_SAMPLES = 400_000
-NEIGHBOURS = 48
+NEIGHBOURS = 96
+# Sides of triangles are sampled at this part of the diagonal: slivers have hardly any area.
+SIDE_SPACING = 1e-3
 # Triangles that are farther than the nearest one by less than this part of the diagonal are as near: rounding.
 AS_NEAR = 1e-9
 # Boundary curves are sampled at this part of the diagonal, which is the error of the figures.
@@ -52,7 +54,15 @@ def surface_samples(corner):
     pick = rng.choice(len(corner), SURFACE_SAMPLES, p=area / area.sum())
     s, t = np.sqrt(rng.random(len(pick)))[:, None], rng.random(len(pick))[:, None]
     random = a[pick] * (1 - s) + b[pick] * (s * (1 - t)) + c[pick] * (s * t)
-    return np.vstack([random, (a + b + c) / 3]), np.concatenate([pick, np.arange(len(corner))])
+    where, owner = [random, (a + b + c) / 3], [pick, np.arange(len(corner))]
+    spacing = SIDE_SPACING * np.linalg.norm(np.ptp(corner.reshape(-1, 3), axis=0))
+    for u, v in ((a, b), (b, c), (c, a)):
+        count = 1 + (np.linalg.norm(v - u, axis=1) / spacing).astype(int)
+        of = np.repeat(np.arange(len(corner)), count)
+        at = (np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[of]
+        where.append(u[of] + (v - u)[of] * at[:, None])
+        owner.append(of)
+    return np.vstack(where), np.concatenate(owner)
 
 
 def to_segment(p, a, b):
