@@ -101,7 +101,8 @@ pub struct RemeshArgs {
     /// A cross field to follow: .rosy or .rawfield, on the faces of the input
     #[arg(long, value_name = "FILE", help_heading = "Directions")]
     pub field: Option<PathBuf>,
-    /// All singular vertices: lines of vertex number from 0 and index in quarters (valence 3 is 1), or .sing
+    /// All singular vertices: lines of vertex number from 0 and whole quarters (valence 3 is 1), or .sing; a file that
+    /// lists none asks for none, as on a torus
     #[arg(long, value_name = "FILE", conflicts_with = "field", help_heading = "Directions")]
     pub singularities: Option<PathBuf>,
     /// The list of singularities is not all of them: other vertices may be singular besides
@@ -123,11 +124,12 @@ pub struct RemeshArgs {
     #[arg(long, value_enum, default_value_t = FallbackArg::Split, help_heading = "Directions")]
     pub fallback: FallbackArg,
 
-    /// Write the cross field that was used: .rosy or .rawfield; its surface goes beside it as .obj
+    /// Write the cross field that was used: .rosy or .rawfield; the surface it lives on goes beside it, with .obj added
+    /// to the name (f.rosy.obj)
     #[arg(long, value_name = "FILE", help_heading = "Also write")]
     pub write_field: Option<PathBuf>,
     /// Write the integer-grid map as .obj with texture coordinates
-    #[arg(long, value_name = "FILE", help_heading = "Also write")]
+    #[arg(long, value_name = "FILE.obj", help_heading = "Also write")]
     pub write_map: Option<PathBuf>,
     /// Write everything measured as JSON
     #[arg(long, value_name = "FILE.json", help_heading = "Also write")]
@@ -144,10 +146,10 @@ pub struct RemeshArgs {
 /// Arguments of every verb that computes.
 #[derive(Args)]
 pub struct RunArgs {
-    /// End after this many seconds
-    #[arg(long, value_name = "SECONDS", help_heading = "Run")]
+    /// End after this many seconds, above 0
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, help_heading = "Run")]
     pub time_limit: Option<f64>,
-    /// Threads to use [default: all]; the result does not depend on it
+    /// Threads to use, at most four for each core [default: one for each]; the result does not depend on it
     #[arg(long, value_name = "N", value_parser = parse_threads, help_heading = "Run")]
     pub threads: Option<usize>,
     /// Seed of everything that samples
@@ -163,6 +165,7 @@ pub struct RunArgs {
 
 /// Arguments of `field`.
 #[derive(Args)]
+#[command(allow_negative_numbers = true)]
 pub struct FieldArgs {
     /// The surface: a file or sample:NAME
     pub input: String,
@@ -178,7 +181,8 @@ pub struct FieldArgs {
     /// Edges to follow besides: .sharp, .obj with l lines, or two vertex numbers from 0 a line
     #[arg(long, value_name = "FILE")]
     pub features: Option<PathBuf>,
-    /// All singular vertices: lines of vertex number from 0 and index in quarters (valence 3 is 1), or .sing
+    /// All singular vertices: lines of vertex number from 0 and whole quarters (valence 3 is 1), or .sing; a file that
+    /// lists none asks for none, as on a torus
     #[arg(long, value_name = "FILE")]
     pub singularities: Option<PathBuf>,
     /// The list of singularities is not all of them: other vertices may be singular besides
@@ -247,6 +251,11 @@ fn parse_sharp_angle(text: &str) -> Result<SharpAngle, String> {
     }
     let degrees: f64 = text.parse().map_err(|_| "a number of degrees, or off".to_string())?;
     Ok(SharpAngle(Some(degrees)))
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|&s: &f64| s > 0.0 && s.is_finite());
+    seconds.ok_or_else(|| "a number of seconds above 0 is needed; without --time-limit there is no limit".into())
 }
 
 fn parse_threads(text: &str) -> Result<usize, String> {

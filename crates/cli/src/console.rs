@@ -8,7 +8,7 @@ use quadloom::{Progress, Warning};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-/// Warnings of one kind that are printed one by one; the rest are counted.
+/// Warnings that are printed one by one, and as many more as miss a request; the rest are counted.
 const WARNINGS_SHOWN: usize = 8;
 
 /// Notes and progress of one run.
@@ -55,13 +55,14 @@ impl Console {
         }
     }
 
-    /// Prints warnings.
+    /// Prints warnings, those first that matter most; those that miss a request, which the exit code tells of, all.
     pub fn warnings(&self, warnings: &[Warning]) {
-        for warning in warnings.iter().take(WARNINGS_SHOWN) {
+        let (shown, hidden) = most_important(warnings);
+        for warning in shown {
             self.note(&format!("warning: {}", warning.message));
         }
-        if warnings.len() > WARNINGS_SHOWN {
-            self.note(&format!("warning: and {} more; --report has them all", warnings.len() - WARNINGS_SHOWN));
+        if hidden > 0 {
+            self.note(&format!("warning: and {hidden} more; --report has them all"));
         }
     }
 
@@ -73,10 +74,47 @@ impl Console {
     }
 }
 
+/// The warnings to be printed, in order, and the number of the others.
+fn most_important(warnings: &[Warning]) -> (Vec<&Warning>, usize) {
+    let mut sorted: Vec<&Warning> = warnings.iter().collect();
+    // The order of the run stays among equals.
+    sorted.sort_by_key(|w| w.code.rank());
+    let missing = sorted.iter().filter(|w| w.misses_request()).count();
+    sorted.truncate(missing.max(WARNINGS_SHOWN));
+    let hidden = warnings.len() - sorted.len();
+    (sorted, hidden)
+}
+
 impl Drop for Console {
     fn drop(&mut self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use quadloom::WarningCode::{self, CountMissed, Repaired, Retried, SharpEdgesDropped, TrianglesSplit};
+
+    fn shown(codes: &[WarningCode]) -> (Vec<WarningCode>, usize) {
+        let warnings: Vec<Warning> = codes.iter().map(|&code| Warning::new(code, "")).collect();
+        let (shown, hidden) = most_important(&warnings);
+        (shown.iter().map(|w| w.code).collect(), hidden)
+    }
+
+    #[test]
+    fn a_cause_of_the_exit_code_is_never_hidden() {
+        // Behind many of little weight.
+        let behind = [[Retried; 9].as_slice(), &[Repaired, SharpEdgesDropped, CountMissed]].concat();
+        let (codes, hidden) = shown(&behind);
+        assert_eq!(codes[..4], [CountMissed, SharpEdgesDropped, Repaired, Retried]);
+        assert_eq!((codes.len(), hidden), (WARNINGS_SHOWN, 4));
+        // Many of them.
+        let (codes, hidden) = shown(&[[Retried; 5].as_slice(), &[TrianglesSplit; 20]].concat());
+        assert_eq!((codes.len(), hidden), (20, 5));
+        assert!(codes.iter().all(|c| *c == TrianglesSplit));
+        assert_eq!(shown(&[Retried; 3]), (vec![Retried; 3], 0));
     }
 }

@@ -12,6 +12,9 @@ use std::time::Duration;
 /// What stages get to notice that they should stop.
 const GRACE: Duration = Duration::from_millis(700);
 
+/// Time limits beyond this are this, seconds: thirty years; clocks do not tell much longer ones.
+const LONGEST_LIMIT: f64 = 1e9;
+
 /// Held while files are written: renaming takes no time, but must not be cut in two.
 static WRITING: Mutex<()> = Mutex::new(());
 
@@ -27,7 +30,8 @@ pub fn start(time_limit: Option<f64>) -> Progress {
     // Without a handler Ctrl-C still ends the process, only less politely.
     let _ = ctrlc::set_handler(move || interrupted(&flag));
     let Some(seconds) = time_limit else { return progress };
-    let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+    // What is no number of seconds has been refused as wrong usage.
+    let limit = Duration::try_from_secs_f64(seconds.min(LONGEST_LIMIT)).unwrap_or_default();
     std::thread::spawn(move || {
         std::thread::sleep(limit.saturating_add(GRACE));
         end(exit::LIMIT, &format!("the time limit of {seconds} s was reached; nothing was written"));

@@ -17,7 +17,102 @@ fn wrong_usage_is_2() {
     bench.line("remesh sample:torus -o out.obj --quads 0").fails_with(2, &["--quads"]);
     bench.line("remesh sample:torus -o out.obj --adaptivity 3").fails_with(2, &["--adaptivity"]);
     bench.line("remesh sample:torus -o out.obj --threads 0").fails_with(2, &["--threads"]);
+    for seconds in ["-1", "0", "nan", "inf", "soon"] {
+        let line = format!("remesh sample:torus -o out.obj --time-limit {seconds}");
+        bench.line(&line).fails_with(2, &["--time-limit", "above 0"]);
+        bench.line(&line.replace("remesh", "field").replace("obj", "rosy")).fails_with(2, &["--time-limit"]);
+    }
+    bench.line("remesh sample:torus -o out.obj --curl-correction 2").fails_with(2, &["--curl-correction"]);
     assert!(bench.files().is_empty());
+}
+
+#[test]
+fn limits_of_no_consequence_are_taken() {
+    let bench = Bench::new();
+    let ran = bench.line("remesh sample:torus -o out.obj --quads 300 --tolerance 30 --time-limit 1e30 --threads 9999");
+    ran.succeeds();
+    assert!(ran.stderr.contains("threads are used"), "{}", ran.stderr);
+}
+
+#[test]
+fn no_file_is_written_over_another_one_of_the_run() {
+    let bench = Bench::new();
+    bench.line("convert sample:torus t.obj").succeeds();
+    std::fs::create_dir(bench.path("sub")).expect("a folder");
+    let before = bench.read("t.obj");
+    bench.write("f.txt", "0 1\n");
+    let refused = |line: &str, words: &[&str]| bench.line(line).fails_with(2, words);
+    // 1. Over what is read.
+    refused("remesh t.obj -o t.obj", &["t.obj", "the quads (-o)", "the input", "another name"]);
+    refused("remesh t.obj -o sub/../t.obj", &["the input"]);
+    refused("remesh t.obj -o out.obj --write-map t.obj", &["--write-map", "the input"]);
+    refused("remesh t.obj -o out.obj --features f.txt --report f.txt", &["--report", "--features"]);
+    refused("remesh t.obj -o out.obj --singularities f.txt --report f.txt", &["--report", "--singularities"]);
+    refused("field t.obj -o t.rosy --singularities f.txt --write-singularities f.txt", &["--write-singularities"]);
+    refused("convert t.obj ./t.obj", &["the output", "the input"]);
+    // 2. Over what is written.
+    refused("remesh sample:torus -o a.obj --report ./a.obj", &["--report", "-o", "a file of its own"]);
+    refused("remesh sample:torus -o a.rosy.obj --write-field a.rosy", &["the surface of the field", "-o"]);
+    refused("field t.obj -o x.rosy --write-singularities x.rosy", &["--write-singularities", "the field (-o)"]);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(bench.path("t.obj"), bench.path("link.obj")).expect("a link");
+        refused("remesh t.obj -o link.obj", &["link.obj", "the input"]);
+        std::fs::remove_file(bench.path("link.obj")).expect("the link");
+    }
+    assert_eq!(bench.files(), ["f.txt", "sub", "t.obj"]);
+    // 3. The surface of a field is beside it under a name of its own.
+    bench.line("remesh t.obj -o out.obj --quads 300 --tolerance 30 --write-field t.rosy").succeeds();
+    assert_eq!(bench.files(), ["f.txt", "out.obj", "sub", "t.obj", "t.rosy", "t.rosy.obj"]);
+    assert_eq!(bench.read("t.obj"), before);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_that_cannot_be_written_leaves_all_others_alone() {
+    let bench = Bench::new();
+    bench.write("out.obj", "the old one");
+    let full = bench.line("remesh sample:torus -o out.obj --quads 300 --tolerance 30 --report /dev/full");
+    full.fails_with(3, &["/dev/full", "nothing was changed"]);
+    bench.line("remesh sample:lattice -o out.obj --view /proc/x.html").fails_with(3, &["/proc/x.html"]);
+    assert_eq!(bench.read("out.obj"), b"the old one");
+    assert_eq!(bench.files(), ["out.obj"]);
+}
+
+#[test]
+fn sizes_beyond_computing_and_surfaces_without_area_are_4() {
+    let bench = Bench::new();
+    bench.line("convert sample:torus t.obj").succeeds();
+    let text = String::from_utf8(bench.read("t.obj")).expect("text");
+    let scaled = |exponent: i32| -> String {
+        let line = |line: &str| match line.strip_prefix("v ") {
+            Some(rest) => {
+                let words: Vec<String> = rest
+                    .split(' ')
+                    .map(|w| format!("{:e}", w.parse::<f64>().expect("a number") * 10f64.powi(exponent)))
+                    .collect();
+                format!("v {}\n", words.join(" "))
+            }
+            None => format!("{line}\n"),
+        };
+        text.lines().map(line).collect()
+    };
+    for (exponent, words) in [(160, "coordinates up to"), (300, "coordinates up to"), (-200, "an extent of")] {
+        bench.write("scaled.obj", scaled(exponent));
+        bench.line("remesh scaled.obj -o out.obj").fails_with(4, &["scaled.obj", words, "1e-40 to 1e40", "scale"]);
+        bench.line("field scaled.obj -o out.rosy").fails_with(4, &["scaled.obj", words]);
+    }
+    for exponent in [12, -12] {
+        bench.write("scaled.obj", scaled(exponent));
+        bench.line("remesh scaled.obj -o out.obj --quads 300 --tolerance 30").succeeds();
+    }
+    std::fs::remove_file(bench.path("out.obj")).expect("the output");
+    bench.write("line.obj", "v 0 0 0\nv 1 0 0\nv 3 0 0\nf 1 2 3\n");
+    bench.line("remesh line.obj -o out.obj").fails_with(4, &["line.obj", "none of the 1 faces has an area"]);
+    bench.line("field line.obj -o out.rosy").fails_with(4, &["line.obj", "none of the 1 faces has an area"]);
+    bench.write("both.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 8 0 0\nf 1 2 3\nf 4 5 6\n");
+    bench.line("remesh both.obj -o out.obj").fails_with(4, &["both.obj", "without area", "face 1"]);
+    assert!(!bench.path("out.obj").exists());
 }
 
 #[test]
@@ -49,6 +144,7 @@ fn unwritable_output_is_3_and_found_before_anything_is_computed() {
     bench.line("remesh sample:lattice -o out.xyz").fails_with(3, &["out.xyz", ".vtu"]);
     bench.line("remesh sample:lattice -o out.obj --view v.txt").fails_with(3, &["v.txt", ".html"]);
     bench.line("remesh sample:lattice -o out.obj --write-field f.txt").fails_with(3, &["f.txt", ".rosy"]);
+    bench.line("remesh sample:lattice -o out.obj --write-map m.ply").fails_with(3, &["m.ply", ".obj"]);
     bench.line("view sample:lattice -o v.obj").fails_with(3, &["v.obj", ".html"]);
     bench.line("remesh sample:lattice -o out.obj --report nowhere/r.json").fails_with(3, &["nowhere"]);
     assert!(bench.files().is_empty());
@@ -69,11 +165,14 @@ fn a_surface_with_one_side_is_4() {
         text += &format!("f {a} {c} {d}\nf {a} {d} {b}\n");
     }
     bench.write("moebius.obj", text);
-    bench.line("remesh moebius.obj -o out.obj").fails_with(4, &["orientable", "edge"]);
+    bench.line("remesh moebius.obj -o out.obj").fails_with(4, &["moebius.obj", "orientable", "edge"]);
     bench.line("remesh moebius.obj -o out.obj --quiet").fails_with(4, &["orientable"]);
     // No cure is promised that there is none.
     let check = bench.line("check moebius.obj");
     assert_eq!(check.code, 4);
+    let field = bench.line("field moebius.obj -o out.rosy");
+    field.fails_with(4, &["moebius.obj", "no repair helps", "cut the surface"]);
+    assert!(!field.stderr.contains("repairs them"), "{}", field.stderr);
     assert!(check.stdout.contains("cannot repair") && !check.stdout.contains("repairs this"), "{}", check.stdout);
     assert!(!bench.path("out.obj").exists());
 }
@@ -82,7 +181,9 @@ fn a_surface_with_one_side_is_4() {
 fn files_that_do_not_fit_the_input_are_refused() {
     let bench = Bench::new();
     bench.write("short.rosy", "1\n4\n1 0 0\n");
-    bench.line("remesh sample:cube -o out.obj --field short.rosy").fails_with(4, &["cross field", "1 vectors"]);
+    bench
+        .line("remesh sample:cube -o out.obj --field short.rosy")
+        .fails_with(4, &["short.rosy", "cross field", "1 vectors"]);
     bench.write("far.txt", "99999999 1\n");
     bench.line("remesh sample:cube -o out.obj --singularities far.txt").fails_with(4, &["99999999"]);
     bench.line("remesh sample:cube -o out.obj --tie 0,99999999").fails_with(4, &["--tie", "99999999"]);

@@ -271,7 +271,7 @@ fn quads_in_a_format_of_triangles_are_split_aloud() {
 fn a_written_field_can_be_given_back() {
     let bench = Bench::new();
     bench.line("remesh sample:genus2 -o first.obj --quads 800 --write-field field.rosy").succeeds();
-    bench.line("remesh field.obj --field field.rosy -o second.obj --quads 800 --report r.json").succeeds();
+    bench.line("remesh field.rosy.obj --field field.rosy -o second.obj --quads 800 --report r.json").succeeds();
     let field = &report(&bench, "r.json")["field"];
     assert_eq!(field["singularities_kept"], true, "{field}");
     assert!(field["given_singularities"].as_u64() >= Some(8), "{field}");
@@ -343,16 +343,84 @@ fn components_get_shares_by_their_area() {
 }
 
 #[test]
-fn two_outputs_in_one_file_are_refused_before_any_work() {
-    let bench = Bench::new();
-    bench.line("remesh sample:torus -o torus.obj --report ./torus.obj").fails_with(2, &["two outputs", "torus.obj"]);
-    assert!(bench.files().is_empty());
-}
-
-#[test]
 fn sizes_that_no_machine_holds_are_refused() {
     let bench = Bench::new();
     for size in ["--quads 99999999999", "--edge-length 1e-9"] {
-        bench.line(&format!("remesh sample:torus -o torus.obj {size}")).fails_with(2, &["more than"]);
+        bench.line(&format!("remesh sample:torus -o torus.obj {size}")).fails_with(2, &["more than", "longer edges"]);
     }
+}
+
+#[test]
+fn an_empty_list_asks_for_no_singular_vertex() {
+    let bench = Bench::new();
+    bench.write("none.sing", "4 0\n");
+    bench.write("none.txt", "# none\n");
+    bench.write("empty.txt", "");
+    for list in ["none.sing", "none.txt", "empty.txt"] {
+        let line = format!("remesh sample:torus -o out.obj --quads 400 --singularities {list} --report r.json");
+        bench.line(&line).succeeds();
+        let (points, quads) = read_quads(&bench.path("out.obj"));
+        let mut valence = vec![0; points.len()];
+        quads.iter().flatten().for_each(|&v| valence[v] += 1);
+        assert!(valence.iter().all(|&n| n == 4), "{list}");
+        let summary = &report(&bench, "r.json")["singularities"];
+        assert_eq!((summary["given"].as_array().map(Vec::len), &summary["others"]), (Some(0), &Value::from(0)));
+    }
+    let refused = ["empty.txt", "sum to 0 quarters", "needs 8"];
+    bench.line("remesh sample:sphere -o out.obj --singularities empty.txt").fails_with(4, &refused);
+    bench.line("field sample:sphere -o out.rosy --singularities empty.txt").fails_with(4, &refused[1..]);
+    bench.write("turns.txt", "0 1.0\n");
+    let turns = bench.line("remesh sample:torus -o out.obj --singularities turns.txt");
+    turns.fails_with(3, &["turns.txt", "line 1", "whole number of quarters"]);
+}
+
+#[test]
+fn curves_that_are_elsewhere_and_edges_that_are_not_there_are_told() {
+    let bench = Bench::new();
+    bench.write("far.json", "[[[0,0,90],[9,0,90]]]");
+    let ran = bench.line("remesh sample:torus -o out.obj --quads 300 --tolerance 90 --guides far.json");
+    assert!(matches!(ran.code, 0 | 6) && ran.stderr.contains("1 of 1 drawn curves are far"), "{}", ran.stderr);
+    bench.write("none.json", "[]");
+    bench.line("remesh sample:torus -o out.obj --guides none.json").fails_with(3, &["none.json", "no curve"]);
+    bench.write("pairs.txt", "7 300\n");
+    let line = "remesh sample:torus -o out.obj --quads 300 --tolerance 90 --features pairs.txt";
+    bench.line(line).fails_by_missing(&["first: vertices 7 and 300"]);
+    bench.line("field sample:torus -o out.rosy --features pairs.txt").fails_by_missing(&["vertices 7 and 300"]);
+}
+
+#[test]
+fn what_was_asked_for_or_is_not_missed_is_no_warning() {
+    let bench = Bench::new();
+    let free = bench.line("remesh sample:cylinder -o out.obj --quads 400 --tolerance 30 --keep-boundary false");
+    assert!(!free.stderr.contains("no quad edge along"), "{}", free.stderr);
+    let vtu = bench.line("remesh sample:torus -o out.vtu --quads 300 --tolerance 30");
+    assert!(!vtu.stderr.contains("warning"), "{}", vtu.stderr);
+}
+
+#[test]
+fn a_default_count_that_is_missed_is_told_with_both_figures() {
+    let bench = Bench::new();
+    // No map has exactly the number of quads aimed at but by chance.
+    let ran = bench.line("remesh sample:torus -o out.obj --tolerance 0.0001 --report r.json");
+    let count = &report(&bench, "r.json")["count"];
+    if count["error_percent"].as_f64() != Some(0.0) {
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        let both = format!("{} quads were made where {} were aimed at", count["reached"], count["asked"]);
+        assert!(ran.stderr.contains(&both), "{both} is not in {}", ran.stderr);
+    }
+}
+
+#[test]
+fn seconds_are_those_of_the_clock() {
+    let bench = Bench::new();
+    let begin = std::time::Instant::now();
+    let ran = bench.line("remesh sample:two_spheres -o out.obj --quads 500 --report r.json");
+    ran.succeeds();
+    let most = begin.elapsed().as_secs_f64();
+    let report = report(&bench, "r.json");
+    let total = report["total_seconds"].as_f64().expect("seconds");
+    assert!(total > 0.0 && total <= most, "{total} of {most}");
+    let said = ran.stderr.lines().last().and_then(|l| l.rsplit(", ").next()?.strip_suffix(" s")?.parse::<f64>().ok());
+    assert!(said.is_some_and(|s| s + 0.01 >= total && s <= most), "{} of {most}", ran.stderr);
+    assert!(report["units"]["seconds"].as_str().is_some_and(|u| u.contains("summed over components")));
 }

@@ -131,12 +131,53 @@ fn everything_asked_for_is_written() {
     bench
         .line("remesh sample:torus -o t.vtu --quads 300 --write-field t.rosy --write-map map.obj --report t.json --view t.html")
         .succeeds();
-    assert_eq!(bench.files(), ["map.obj", "t.html", "t.json", "t.obj", "t.rosy", "t.vtu"]);
+    assert_eq!(bench.files(), ["map.obj", "t.html", "t.json", "t.rosy", "t.rosy.obj", "t.vtu"]);
     let map = String::from_utf8(bench.read("map.obj")).expect("text");
     let faces = map.lines().filter(|l| l.starts_with("f ")).count();
     let rosy = String::from_utf8(bench.read("t.rosy")).expect("text");
     assert_eq!(rosy.lines().next().and_then(|l| l.trim().parse().ok()), Some(faces));
     assert!(map.lines().any(|l| l.starts_with("vt ")));
+}
+
+#[test]
+fn check_accepts_what_remesh_accepted() {
+    let bench = Bench::new();
+    // Coarse quads on sharp edges: whether one faces along the surface depends on where its edges are.
+    for shape in ["bracket", "cube", "cylinder"] {
+        let ran = bench.line(&format!("remesh sample:{shape} -o out.obj --quads 200 --tolerance 90"));
+        assert!(matches!(ran.code, 0 | 6), "{shape}: {}", ran.stderr);
+        bench.line(&format!("check out.obj --reference sample:{shape}")).succeeds();
+    }
+}
+
+#[test]
+fn a_surface_that_was_cut_open_is_told() {
+    let bench = Bench::new();
+    // Three sheets of 4 by 4 squares that meet in a line.
+    let mut text = String::new();
+    for turn in 0..3 {
+        let (sin, cos) = (f64::from(turn) * 2.0).sin_cos();
+        let first = turn * 25 + 1;
+        for (i, j) in (0..5).flat_map(|j| (0..5).map(move |i| (i, j))) {
+            text += &format!("v {} {} {j}\n", f64::from(i) * cos, f64::from(i) * sin);
+        }
+        for (i, j) in (0..4).flat_map(|j| (0..4).map(move |i| (i, j))) {
+            let at = |i: i32, j: i32| first + 5 * j + i;
+            text += &format!("f {} {} {}\n", at(i, j), at(i + 1, j), at(i + 1, j + 1));
+            text += &format!("f {} {} {}\n", at(i, j), at(i + 1, j + 1), at(i, j + 1));
+        }
+    }
+    bench.write("sheets.obj", text);
+    let ran = bench.line("remesh sheets.obj -o out.obj --quads 300 --tolerance 40 --report r.json");
+    let told = "cut open at 4 edges with more than two faces: the result has 2 boundary loops instead of 1";
+    assert!(ran.stderr.contains(told), "{}", ran.stderr);
+    let report: serde_json::Value = serde_json::from_slice(&bench.read("r.json")).expect("JSON");
+    assert_eq!(report["input_as_read"]["boundary_loops"], 1);
+    assert_eq!(report["input_as_read"]["non_manifold_edges"], 4);
+    assert_eq!(report["input"]["boundary_loops"], 2);
+    // `check` compares with the same surface and says so.
+    let check = bench.line("check out.obj --reference sheets.obj");
+    assert!(check.code == 0 && check.stdout.contains(told), "{}", check.stdout);
 }
 
 impl common::Ran {

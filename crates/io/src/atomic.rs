@@ -1,12 +1,82 @@
-//! Files that appear whole or not at all.
+//! Files that appear whole or not at all, and several of them together.
 //!
-//! In: a path and a function that writes the content. Out: the file. Holds: content goes to a temporary file of the
-//! same folder that is renamed when complete, so a failure leaves the old file, and no other, behind.
+//! In: paths and functions that write the content. Out: the files. Holds: content goes to temporary files of the same
+//! folders that are renamed when all are complete, so a failure leaves the old files, and no other, behind.
 
 use crate::error::IoError;
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+
+/// Files that are written together: none is changed before the content of all is complete.
+#[derive(Debug, Default)]
+pub struct Batch {
+    staged: Vec<Staged>,
+}
+
+#[derive(Debug)]
+struct Staged {
+    /// As it was asked for, for messages.
+    path: PathBuf,
+    /// With links followed.
+    target: PathBuf,
+    content: Content,
+}
+
+#[derive(Debug)]
+enum Content {
+    /// A complete file beside the target; it goes away when dropped.
+    Temporary(tempfile::NamedTempFile),
+    /// For devices and pipes, which cannot be replaced.
+    Bytes(Vec<u8>),
+}
+
+impl Batch {
+    /// No files.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Writes the content of a file beside its place.
+    ///
+    /// # Input      the path, its folder must exist; a function that writes the content
+    /// # Errors     `NoFolder`, `WriteDenied` (also for a file marked read-only), `IsDirectory`, `Unwritable`
+    pub fn stage(
+        &mut self,
+        path: &Path,
+        content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), IoError> {
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        let content = staged(&target, content).map_err(|e| IoError::writing(path, e))?;
+        self.staged.push(Staged { path: path.to_path_buf(), target, content });
+        Ok(())
+    }
+
+    /// Puts all files in place: first what goes to devices and pipes, which may fail for its content, then the files,
+    /// in the order in which they were staged.
+    ///
+    /// # Output     the files, with the permissions of those they replace or of any new file; links are followed
+    /// # Errors     `Unwritable` while nothing was changed yet, `PartlyWritten` names the files that were
+    pub fn commit(self) -> Result<(), IoError> {
+        let (devices, files): (Vec<_>, Vec<_>) =
+            self.staged.into_iter().partition(|s| matches!(s.content, Content::Bytes(_)));
+        let mut written = Vec::new();
+        for Staged { path, target, content } in devices.into_iter().chain(files) {
+            let done = match content {
+                Content::Temporary(file) => file.persist(&target).map(|_| ()).map_err(|e| e.error),
+                Content::Bytes(bytes) => {
+                    fs::OpenOptions::new().write(true).open(&target).and_then(|mut f| f.write_all(&bytes))
+                }
+            };
+            match done {
+                Ok(()) => written.push(path),
+                Err(e) if written.is_empty() => return Err(IoError::writing(&path, e)),
+                Err(source) => return Err(IoError::PartlyWritten { path, source, written }),
+            }
+        }
+        Ok(())
+    }
+}
 
 /// Writes a file atomically.
 ///
@@ -15,14 +85,27 @@ use std::path::{Path, PathBuf};
 /// # Errors     `NoFolder`, `WriteDenied` (also for a file marked read-only), `IsDirectory`, `Unwritable`
 /// # Guarantees the old file survives every failure, and no temporary file is left; devices and pipes are not replaced
 pub fn write_atomically(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), IoError> {
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    write_through(&target, content).map_err(|e| IoError::writing(path, e))
+    let mut batch = Batch::new();
+    batch.stage(path, content)?;
+    batch.commit()
 }
 
-fn write_through(target: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+/// Finds out whether a file can be written, before there is anything to write: a temporary file is made beside it and
+/// dropped.
+///
+/// # Errors     as those of [`write_atomically`]
+pub fn check_writable(path: &Path) -> Result<(), IoError> {
+    Batch::new().stage(path, |_| Ok(()))
+}
+
+fn staged(target: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Content> {
     let old = match fs::metadata(target) {
         Ok(old) if old.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
-        Ok(old) if !old.is_file() => return content_of(fs::OpenOptions::new().write(true).open(target)?, content),
+        Ok(old) if !old.is_file() => {
+            let mut bytes = Vec::new();
+            content(&mut bytes)?;
+            return Ok(Content::Bytes(bytes));
+        }
         Ok(old) if old.permissions().readonly() => return Err(io::ErrorKind::PermissionDenied.into()),
         Ok(old) => Some(old.permissions()),
         Err(e) if e.kind() == io::ErrorKind::NotFound => None,
@@ -32,8 +115,7 @@ fn write_through(target: &Path, content: impl FnOnce(&mut dyn Write) -> io::Resu
     // The handle removes the file when it is dropped on the way out with an error.
     content_of(temporary.as_file(), content)?;
     temporary.as_file().sync_all()?;
-    temporary.persist(target).map_err(|e| e.error)?;
-    Ok(())
+    Ok(Content::Temporary(temporary))
 }
 
 fn folder_of(target: &Path) -> PathBuf {
@@ -88,6 +170,50 @@ mod tests {
         assert!(matches!(failed, Err(IoError::Unwritable { .. })), "{failed:?}");
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["out.obj"]);
+    }
+
+    #[test]
+    fn files_of_a_batch_appear_together() {
+        let folder = tempfile::tempdir().unwrap();
+        let [a, b] = ["a.obj", "b.obj"].map(|name| folder.path().join(name));
+        let mut batch = Batch::new();
+        batch.stage(&a, |out| out.write_all(b"a")).unwrap();
+        assert!(batch.stage(&b, |_| Err(io::Error::other("disk full"))).is_err());
+        drop(batch);
+        assert!(names(folder.path()).is_empty());
+        let mut batch = Batch::new();
+        batch.stage(&a, |out| out.write_all(b"a")).unwrap();
+        batch.stage(&b, |out| out.write_all(b"b")).unwrap();
+        assert!(!a.exists() && !b.exists());
+        batch.commit().unwrap();
+        assert_eq!(names(folder.path()), ["a.obj", "b.obj"]);
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_put_in_place_names_those_that_were() {
+        let folder = tempfile::tempdir().unwrap();
+        let [a, b] = ["a.obj", "b.obj"].map(|name| folder.path().join(name));
+        let mut batch = Batch::new();
+        batch.stage(&a, |out| out.write_all(b"a")).unwrap();
+        batch.stage(&b, |out| out.write_all(b"b")).unwrap();
+        // Something else took the place meanwhile.
+        fs::create_dir(&b).unwrap();
+        let message = batch.commit().unwrap_err().to_string();
+        assert!(message.contains("b.obj: cannot be written") && message.contains("a.obj"), "{message}");
+        assert_eq!(names(folder.path()), ["a.obj", "b.obj"]);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_device_leaves_the_files_beside_it_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.obj");
+        let mut batch = Batch::new();
+        batch.stage(&path, |out| out.write_all(b"a")).unwrap();
+        batch.stage(Path::new("/dev/full"), |out| out.write_all(b"b")).unwrap();
+        let message = batch.commit().unwrap_err().to_string();
+        assert!(message.contains("/dev/full") && message.contains("nothing was changed"), "{message}");
+        assert!(names(folder.path()).is_empty());
     }
 
     #[test]

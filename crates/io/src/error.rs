@@ -182,13 +182,23 @@ pub enum IoError {
         /// The path asked for.
         path: PathBuf,
     },
-    /// Writing failed for another reason; a file that was there before is unchanged.
+    /// Writing failed for another reason; all files that were there before are unchanged.
     #[error("{}: cannot be written, nothing was changed: {source}", path.display())]
     Unwritable {
         /// The path asked for.
         path: PathBuf,
         /// What the system says.
         source: io::Error,
+    },
+    /// One of several files could not be put in place, after others were.
+    #[error("{}: cannot be written: {source}; these files were written before: {}", path.display(), listed(written))]
+    PartlyWritten {
+        /// The path asked for.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+        /// The files that are in place, at least one.
+        written: Vec<PathBuf>,
     },
 }
 
@@ -206,9 +216,12 @@ impl IoError {
 
     /// The error of a failed system call that writes `path`.
     pub(crate) fn writing(path: &Path, source: io::Error) -> Self {
+        // Some folders, /proc for one, are there and take no file.
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let no_folder = !folder.is_dir();
         let path = path.to_path_buf();
         match source.kind() {
-            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Self::NoFolder { path },
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory if no_folder => Self::NoFolder { path },
             io::ErrorKind::IsADirectory => Self::IsDirectory { path },
             io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => Self::WriteDenied { path },
             _ => Self::Unwritable { path, source },
@@ -232,9 +245,14 @@ impl IoError {
             | Self::InvalidSurface { path, .. }
             | Self::NoFolder { path }
             | Self::WriteDenied { path }
-            | Self::Unwritable { path, .. } => path,
+            | Self::Unwritable { path, .. }
+            | Self::PartlyWritten { path, .. } => path,
         }
     }
+}
+
+fn listed(paths: &[PathBuf]) -> String {
+    paths.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
 /// A content error before the path is known.

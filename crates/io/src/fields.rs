@@ -9,7 +9,7 @@
 //!                x y z
 //! ```
 
-use crate::atomic::write_atomically;
+use crate::atomic::Batch;
 use crate::error::{ContentDefect, Fault, IoError};
 use crate::surface::read_bytes;
 use crate::text::{Line, Lines, Shortest, integer, point, shown, tokens};
@@ -49,11 +49,18 @@ pub fn read_rosy(path: impl AsRef<Path>) -> Result<Vec<DVec3>, IoError> {
 
 /// Writes a `.rosy` cross field: one vector per face, one of the four directions of its cross.
 ///
-/// # Errors     those of [`write_atomically`]; [`IoError::InvalidSurface`] if a vector is not finite
+/// # Errors     those of [`crate::write_atomically`]; [`IoError::InvalidSurface`] if a vector is not finite
 pub fn write_rosy(path: impl AsRef<Path>, directions: &[DVec3]) -> Result<(), IoError> {
+    let mut files = Batch::new();
+    stage_rosy(&mut files, path, directions)?;
+    files.commit()
+}
+
+/// As [`write_rosy`], as one of several files that are put in place together.
+pub fn stage_rosy(files: &mut Batch, path: impl AsRef<Path>, directions: &[DVec3]) -> Result<(), IoError> {
     let path = path.as_ref();
     check_finite(path, directions, 1)?;
-    write_atomically(path, |out| {
+    files.stage(path, |out| {
         writeln!(out, "{}\n4", directions.len())?;
         directions.iter().try_for_each(|d| write_row(out, std::slice::from_ref(d)))
     })
@@ -69,11 +76,22 @@ pub fn read_rawfield(path: impl AsRef<Path>) -> Result<RawField, IoError> {
 
 /// Writes a `.rawfield`, `N` vectors per face.
 ///
-/// # Errors     those of [`write_atomically`]; [`IoError::InvalidSurface`] if a vector is not finite
+/// # Errors     those of [`crate::write_atomically`]; [`IoError::InvalidSurface`] if a vector is not finite
 pub fn write_rawfield<const N: usize>(path: impl AsRef<Path>, faces: &[[DVec3; N]]) -> Result<(), IoError> {
+    let mut files = Batch::new();
+    stage_rawfield(&mut files, path, faces)?;
+    files.commit()
+}
+
+/// As [`write_rawfield`], as one of several files that are put in place together.
+pub fn stage_rawfield<const N: usize>(
+    files: &mut Batch,
+    path: impl AsRef<Path>,
+    faces: &[[DVec3; N]],
+) -> Result<(), IoError> {
     let path = path.as_ref();
     check_finite(path, faces.as_flattened(), N)?;
-    write_atomically(path, |out| {
+    files.stage(path, |out| {
         writeln!(out, "{N} {}", faces.len())?;
         faces.iter().try_for_each(|vectors| write_row(out, vectors))
     })

@@ -71,6 +71,9 @@ fn parse_json(bytes: &[u8]) -> Result<Vec<Guide>, Fault> {
     let curves: Value = serde_json::from_slice(bytes).map_err(|e| malformed(e.line() as u64, e.to_string()))?;
     let wrong = |at: &[usize], text: String| malformed(line_of(bytes, at), text);
     let curves = curves.as_array().ok_or_else(|| wrong(&[], "this is an object, not a list".into()))?;
+    if curves.is_empty() {
+        return Err(wrong(&[], "there is no curve in the list".into()));
+    }
     let mut guides = Vec::with_capacity(curves.len());
     for (k, curve) in curves.iter().enumerate() {
         let points = curve.as_array().ok_or_else(|| wrong(&[k], format!("curve {} is not a list", k + 1)))?;
@@ -140,6 +143,7 @@ mod tests {
             ("[[[0,0,0],\n[1,\"a\",1]]]", 2, "curve 1, point 2"),
             ("[[[0,0,0],[1,1,1]],\n3]", 2, "curve 2 is not a list"),
             ("\n{\"curves\":[]}", 2, "object"),
+            ("\n[]\n", 2, "no curve"),
             ("[[[0,0,0],\n[0,0,1e999]]]", 2, "range"),
             ("[[[0,0,0],\n[0,0,]]]", 2, "column"),
         ] {

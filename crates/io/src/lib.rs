@@ -21,14 +21,14 @@ mod text;
 mod triangulate;
 mod vtu;
 
-pub use atomic::write_atomically;
+pub use atomic::{Batch, check_writable, write_atomically};
 pub use error::{ContentDefect, IoError, Place};
 pub use features::{
     FeatureFile, SAME_POINT_REL, SharpSide, read_features, read_sharp, read_vertex_pairs, write_sharp,
     write_vertex_pairs,
 };
-pub use fields::{RawField, read_rawfield, read_rosy, write_rawfield, write_rosy};
+pub use fields::{RawField, read_rawfield, read_rosy, stage_rawfield, stage_rosy, write_rawfield, write_rosy};
 pub use format::Format;
 pub use guides::{Guide, read_guides, write_guides};
-pub use singularities::{Singularity, read_singularities, write_singularities};
-pub use surface::{Encoding, SurfaceOut, WriteOptions, WriteWarning, read_soup, write_surface};
+pub use singularities::{Singularity, read_singularities, stage_singularities, write_singularities};
+pub use surface::{Encoding, SurfaceOut, WriteOptions, WriteWarning, read_soup, stage_surface, write_surface};

@@ -4,16 +4,16 @@
 //! Holds: indices are integers of quarters; not that they satisfy the Poincaré-Hopf formula, which only a mesh can tell.
 //!
 //! ```text
-//!     plain text   vertex index   index: an integer counts quarters; `1/4` and `0.25` are turns
+//!     plain text   vertex index   index: a whole number of quarters
 //!     .sing        N count        as in Directional: indices are multiples of 1/N turn
 //!                  vertex index
 //! ```
 
-use crate::atomic::write_atomically;
+use crate::atomic::Batch;
 use crate::error::{ContentDefect, Fault, IoError};
 use crate::fields::{content, integers};
-use crate::surface::read_bytes;
-use crate::text::{Lines, integer, number_at, parse_integer, shown, tokens};
+use crate::surface::read_any_bytes;
+use crate::text::{Lines, integer, parse_integer, shown, tokens};
 use std::path::Path;
 
 /// A vertex with a prescribed index.
@@ -27,20 +27,32 @@ pub struct Singularity {
 
 /// Reads prescribed singularities: `.sing` of Directional, or a text of `vertex index` lines.
 ///
-/// # Errors     every [`IoError`] of reading; an index that is no multiple of a quarter is one
+/// # Output     the list in the order of the file; a text may list none
+/// # Errors     every [`IoError`] of reading; an index that is no whole number of quarters is one
 pub fn read_singularities(path: impl AsRef<Path>) -> Result<Vec<Singularity>, IoError> {
     let path = path.as_ref();
-    let bytes = read_bytes(path)?;
+    let bytes = read_any_bytes(path)?;
     let parsed = if has_header(path) { parse_sing(&bytes) } else { parse_plain(&bytes) };
     parsed.map_err(|fault| fault.in_file(path))
 }
 
 /// Writes singularities: `.sing` with its header, any other extension as `vertex quarters` lines.
 ///
-/// # Errors     those of [`write_atomically`]
+/// # Errors     those of [`crate::write_atomically`]
 pub fn write_singularities(path: impl AsRef<Path>, singularities: &[Singularity]) -> Result<(), IoError> {
+    let mut files = Batch::new();
+    stage_singularities(&mut files, path, singularities)?;
+    files.commit()
+}
+
+/// As [`write_singularities`], as one of several files that are put in place together.
+pub fn stage_singularities(
+    files: &mut Batch,
+    path: impl AsRef<Path>,
+    singularities: &[Singularity],
+) -> Result<(), IoError> {
     let path = path.as_ref();
-    write_atomically(path, |out| {
+    files.stage(path, |out| {
         if has_header(path) {
             writeln!(out, "4 {}", singularities.len())?;
         }
@@ -102,16 +114,18 @@ fn entry(bytes: &[u8], line: u64, quarters: impl Fn(&[u8]) -> Result<i32, Fault>
     }
 }
 
-/// Quarters of an index spelled `1`, `1/4` or `0.25`.
+/// A whole number of quarters. Fractions and decimals are refused: `1.0` could be a turn or a quarter.
 fn plain_quarters(token: &[u8], line: u64) -> Result<i32, Fault> {
-    if let Some(quarters) = parse_integer(token) {
-        return quarters_of(quarters as f64, 4.0, token, line);
+    match parse_integer(token) {
+        Some(quarters) => quarters_of(quarters as f64, 4.0, token, line),
+        None => {
+            let text = format!(
+                "index `{}`: write a whole number of quarters, 1 for valence 3 and -1 for valence 5",
+                shown(token)
+            );
+            Err(Fault::line(line, ContentDefect::Malformed(text)))
+        }
     }
-    let (numerator, denominator) = match token.iter().position(|&b| b == b'/') {
-        Some(k) => (number_at(&token[..k], line)?, number_at(&token[k + 1..], line)?),
-        None => (number_at(token, line)?, 1.0),
-    };
-    quarters_of(numerator, denominator, token, line)
 }
 
 fn quarters_of(numerator: f64, denominator: f64, token: &[u8], line: u64) -> Result<i32, Fault> {
@@ -130,10 +144,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_spelling_of_a_quarter() {
-        let list = parse_plain(b"# x\n3 1\n4 1/4\n5 0.25\n\n6 -1\n7 -2/4 # y\n8 1.0\n").unwrap();
+    fn indices_are_whole_quarters() {
+        let list = parse_plain(b"# x\n3 1\n\n6 -1\n7 -2 # y\n8 +1\n").unwrap();
         let quarters: Vec<_> = list.iter().map(|s| (s.vertex, s.quarters)).collect();
-        assert_eq!(quarters, [(3, 1), (4, 1), (5, 1), (6, -1), (7, -2), (8, 4)]);
+        assert_eq!(quarters, [(3, 1), (6, -1), (7, -2), (8, 1)]);
+        assert_eq!(parse_plain(b"# none\n").unwrap(), []);
+        for text in ["1 1.0\n", "1 0.25\n", "1 1/4\n"] {
+            let message = parse_plain(text.as_bytes()).unwrap_err().defect.to_string();
+            assert!(message.contains("whole number of quarters"), "{message}");
+        }
     }
 
     #[test]

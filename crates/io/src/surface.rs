@@ -4,7 +4,7 @@
 //! Holds: coordinates written as text or double precision read back bit for bit; nothing that is not finite or
 //! that names a missing vertex is ever written; files appear whole or not at all.
 
-use crate::atomic::write_atomically;
+use crate::atomic::Batch;
 use crate::error::IoError;
 use crate::format::Format;
 use crate::{glb, obj, off, ply, stl, vtu};
@@ -37,6 +37,14 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     }
     let bytes = fs::read(path).map_err(|e| IoError::reading(path, e))?;
     if bytes.is_empty() { Err(IoError::Empty { path: path.to_path_buf() }) } else { Ok(bytes) }
+}
+
+/// The bytes of a file that may be empty.
+pub(crate) fn read_any_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+    match read_bytes(path) {
+        Err(IoError::Empty { .. }) => Ok(Vec::new()),
+        other => other,
+    }
 }
 
 fn parse_surface(path: &Path, bytes: &[u8]) -> Result<FaceSoup, IoError> {
@@ -229,9 +237,22 @@ impl fmt::Display for WriteWarning {
 /// Writes a surface in the format of the path's extension: OBJ, PLY, OFF, VTU, GLB or STL.
 ///
 /// # Output     the file, and a warning for each kind of data that the format could not hold
-/// # Errors     `UnknownOutput` and `InvalidSurface` before anything is touched; those of [`write_atomically`]
-/// # Guarantees OBJ, PLY, OFF and VTU read back bit for bit; see [`write_atomically`]
+/// # Errors     `UnknownOutput` and `InvalidSurface` before anything is touched; those of [`crate::write_atomically`]
+/// # Guarantees OBJ, PLY, OFF and VTU read back bit for bit; see [`crate::write_atomically`]
 pub fn write_surface(
+    path: impl AsRef<Path>,
+    surface: &SurfaceOut,
+    options: &WriteOptions,
+) -> Result<Vec<WriteWarning>, IoError> {
+    let mut files = Batch::new();
+    let warnings = stage_surface(&mut files, path, surface, options)?;
+    files.commit()?;
+    Ok(warnings)
+}
+
+/// As [`write_surface`], as one of several files that are put in place together.
+pub fn stage_surface(
+    files: &mut Batch,
     path: impl AsRef<Path>,
     surface: &SurfaceOut,
     options: &WriteOptions,
@@ -248,7 +269,7 @@ pub fn write_surface(
     if !format.holds_quads() {
         fits_single_precision(surface).map_err(refused)?;
     }
-    write_atomically(path, |out| match format {
+    files.stage(path, |out| match format {
         Format::Obj => obj::write(surface, out),
         Format::Ply => ply::write(surface, options.encoding, out),
         Format::Off => off::write(surface, out),

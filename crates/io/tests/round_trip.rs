@@ -176,7 +176,7 @@ proptest! {
 
     #[test]
     fn guides(curves in proptest::collection::vec(
-        proptest::collection::vec([finite(), finite(), finite()].prop_map(DVec3::from), 2..5), 0..4,
+        proptest::collection::vec([finite(), finite(), finite()].prop_map(DVec3::from), 2..5), 1..4,
     )) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.json");

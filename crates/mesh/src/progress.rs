@@ -43,7 +43,8 @@ impl Progress {
 
     /// Stops `limit` from now.
     pub fn with_time_limit(mut self, limit: Duration) -> Self {
-        self.deadline = Some(Instant::now() + limit);
+        // A limit beyond what the clock can tell is none.
+        self.deadline = Instant::now().checked_add(limit);
         self
     }
 

@@ -23,6 +23,40 @@ pub enum RemeshError {
     /// The input is not a surface that can be repaired.
     #[error(transparent)]
     Input(#[from] quadloom_mesh::repair::RepairError),
+    /// The input is so large or so small that products of its lengths are no normal doubles.
+    #[error(
+        "the surface {what} {size:.1e}, but only lengths from {least:.0e} to {most:.0e} can be computed with; scale the \
+         model (other units)"
+    )]
+    Extent {
+        /// What is out of range.
+        what: &'static str,
+        /// Its size, file units.
+        size: f64,
+        /// Least extent, file units.
+        least: f64,
+        /// Largest coordinate, file units.
+        most: f64,
+    },
+    /// A piece of the input has no area.
+    #[error(
+        "{faces} faces form a piece without area (first: face {first}); delete them, or check the units and the \
+         precision of the export"
+    )]
+    NoArea {
+        /// Number of its faces.
+        faces: usize,
+        /// The first of them, in the counting of the input.
+        first: u32,
+    },
+    /// Another error, and the input that it is about.
+    #[error("{input}: {error}")]
+    Of {
+        /// The input, as the user named it.
+        input: String,
+        /// What is wrong with it.
+        error: Box<RemeshError>,
+    },
     /// A file that goes with the input does not fit it.
     #[error("{what} does not fit the input: {why}")]
     Mismatch {
@@ -40,19 +74,31 @@ pub enum RemeshError {
         value: f64,
     },
     /// More quads than can be made.
-    #[error("{asked} quads are asked for, more than {most}: ask for larger ones (--quads, --edge-length, --scale)")]
+    #[error(
+        "this size leads to {asked:.1e} quads, more than the {most} that can be made: ask for fewer (--quads) or for longer \
+         edges (--edge-length, --scale)"
+    )]
     TooMany {
         /// Number of quads that the size leads to.
-        asked: usize,
+        asked: f64,
         /// Largest number.
         most: usize,
     },
     /// A tie has one vertex at both ends.
     #[error("--tie {0},{0}: a vertex cannot be tied to itself; name two different vertices")]
     TiedToItself(u32),
-    /// Two results would go to one file.
-    #[error("two outputs go to {}: give each a file of its own", .0.display())]
-    SameFile(std::path::PathBuf),
+    /// A file would be written over another one of the same run.
+    #[error("{}: {written} and {other} are one file; {cure}", path.display())]
+    SameFile {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What would be written there.
+        written: &'static str,
+        /// What is written there, too, or read from there.
+        other: &'static str,
+        /// What to do.
+        cure: &'static str,
+    },
     /// Some component has no valid quad mesh.
     #[error("{stage}: {why}")]
     NoResult {
@@ -92,15 +138,29 @@ impl RemeshError {
             Self::Option { .. }
             | Self::TooMany { .. }
             | Self::TiedToItself(_)
-            | Self::SameFile(_)
+            | Self::SameFile { .. }
             | Self::NoSample(_) => FailureKind::Usage,
+            Self::Of { error, .. } => error.kind(),
             // The file was read; it belongs to another input.
             Self::File(quadloom_io::IoError::Mismatch { .. }) => FailureKind::Rejected,
             Self::File(_) | Self::NoFaces => FailureKind::Unreadable,
-            Self::Input(_) | Self::Mismatch { .. } => FailureKind::Rejected,
+            Self::Input(_) | Self::Mismatch { .. } | Self::Extent { .. } | Self::NoArea { .. } => FailureKind::Rejected,
             Self::NoResult { .. } => FailureKind::NoResult,
             Self::Cancelled(c) if c.time_limit => FailureKind::Limit,
             Self::Cancelled(_) => FailureKind::Cancelled,
+        }
+    }
+
+    /// The same error, with the name of the input where it is about that; errors about files name theirs already.
+    pub fn of_input(self, input: &str) -> Self {
+        match self {
+            Self::NoFaces
+            | Self::Input(_)
+            | Self::Mismatch { .. }
+            | Self::Extent { .. }
+            | Self::NoArea { .. }
+            | Self::NoResult { .. } => Self::Of { input: input.to_string(), error: Box::new(self) },
+            other => other,
         }
     }
 }
@@ -112,6 +172,8 @@ impl RemeshError {
 pub enum WarningCode {
     /// The input had defects that were cured.
     Repaired,
+    /// Repair changed the components or boundaries that the input seems to have.
+    TopologyRepaired,
     /// Sharp edges in loose pieces that are short, or no sharper than their surroundings, were dropped.
     LooseFeaturesDropped,
     /// No map follows the sharp edges that were found; they were not kept.
@@ -120,6 +182,10 @@ pub enum WarningCode {
     FeatureLost,
     /// The count asked for was missed by more than the tolerance.
     CountMissed,
+    /// No count was asked for, and the one aimed at was missed by more than the tolerance.
+    DefaultCountMissed,
+    /// A drawn curve is far from the surface.
+    GuideFar,
     /// Feature edges asked for are not kept.
     FeatureMissed,
     /// Given singular vertices are not those of the result.
@@ -151,6 +217,36 @@ pub struct Warning {
     pub elements: Elements,
 }
 
+impl WarningCode {
+    /// Whether something that the user asked for was not reached, although the result is valid.
+    pub fn misses_request(self) -> bool {
+        self.rank() == 0
+    }
+
+    /// How much a warning matters: 0 where a request was missed, then the less the larger.
+    ///
+    /// 1: the result is not what one would expect of it. 2: the input is not what its owner may think. 3: how the
+    /// result came about.
+    pub fn rank(self) -> u8 {
+        match self {
+            Self::CountMissed
+            | Self::FacingUnclear
+            | Self::FeatureMissed
+            | Self::SingularitiesMissed
+            | Self::TieMissed
+            | Self::TrianglesSplit => 0,
+            Self::SharpEdgesDropped
+            | Self::FeatureLost
+            | Self::DefaultCountMissed
+            | Self::TopologyRepaired
+            | Self::GuideFar
+            | Self::Ignored => 1,
+            Self::FoldsSurvived | Self::LooseFeaturesDropped | Self::NoiseSmoothed | Self::Repaired => 2,
+            Self::Retried => 3,
+        }
+    }
+}
+
 impl Warning {
     /// A warning about nothing in particular on the surface.
     pub fn new(code: WarningCode, message: impl Into<String>) -> Self {
@@ -164,10 +260,6 @@ impl Warning {
 
     /// Whether something that the user asked for was not reached, although the result is valid.
     pub fn misses_request(&self) -> bool {
-        use WarningCode::{CountMissed, FacingUnclear, FeatureMissed, SingularitiesMissed, TieMissed, TrianglesSplit};
-        matches!(
-            self.code,
-            CountMissed | FacingUnclear | FeatureMissed | SingularitiesMissed | TieMissed | TrianglesSplit
-        )
+        self.code.misses_request()
     }
 }

@@ -5,10 +5,12 @@
 
 use crate::error::{RemeshError, Warning};
 use crate::features::{FeatureRequest, find_features};
+use crate::input::check_extent;
+use crate::remesh::{has_area, missing_edges_warning};
 use crate::singularities::{SingularityRequest, check_list, others_warning};
 use crate::stages::{Prescribed, WorkMesh, cross_field};
 use quadloom_field::Transport;
-use quadloom_mesh::repair::split_components;
+use quadloom_mesh::repair::{RepairError, RepairOptions, repair, split_components};
 use quadloom_mesh::{DVec3, FaceSoup, Progress, TriMesh, VertexId};
 use std::collections::BTreeMap;
 
@@ -19,8 +21,8 @@ pub struct FieldRequest {
     pub sharp_angle: Option<f64>,
     /// Edges that are followed besides.
     pub features: Vec<[u32; 2]>,
-    /// Prescribed singular vertices with their index in quarters.
-    pub singularities: Vec<(u32, i32)>,
+    /// Prescribed singular vertices with their index in quarters; an empty list asks for none, `None` leaves it open.
+    pub singularities: Option<Vec<(u32, i32)>>,
     /// Whether other vertices may be singular besides.
     pub other_singularities: bool,
 }
@@ -42,19 +44,31 @@ pub struct FileField {
 ///
 /// # Errors     a file that is no clean triangle mesh; prescriptions without a field; cancellation
 pub fn solve_field(soup: &FaceSoup, request: &FieldRequest, progress: &Progress) -> Result<FileField, RemeshError> {
+    check_extent(soup)?;
     // 1. The file's own faces.
     let triangles: Option<Vec<[u32; 3]>> = soup.faces.iter().map(|f| f.as_slice().try_into().ok()).collect();
     let unfit = |why: String| RemeshError::Mismatch { what: "a field per face", why };
     let triangles = triangles.ok_or_else(|| unfit("there are faces with more than three corners".into()))?;
-    let mesh = TriMesh::new(soup.positions.clone(), &triangles)
-        .map_err(|e| unfit(format!("{e}; `quadloom check` lists all defects, `quadloom remesh` repairs them")))?;
+    let mesh = TriMesh::new(soup.positions.clone(), &triangles).map_err(|e| {
+        // No repair is promised that does not exist.
+        unfit(match repair(soup, &RepairOptions::default()) {
+            Ok(_) => format!("{e}; `quadloom check` lists all defects, `quadloom remesh` repairs them"),
+            Err(obstacle) => format!("{e}, and no repair helps: {obstacle}"),
+        })
+    })?;
+    if !has_area(&mesh) {
+        return Err(RepairError::NothingLeft { faces: mesh.face_count() }.into());
+    }
     let is_whole = check_singularities(&mesh, request)?;
     // 2. What it follows.
-    let edges = request.features.iter().map(|e| e.map(VertexId)).collect();
+    let edges: Vec<[VertexId; 2]> = request.features.iter().map(|e| e.map(VertexId)).collect();
+    let missing: Vec<[u32; 2]> =
+        edges.iter().filter(|[a, b]| mesh.find_edge(*a, *b).is_none()).map(|e| e.map(|v| v.0)).collect();
     let wanted = FeatureRequest { sharp_angle: request.sharp_angle, edges, guides: Vec::new() };
     let features = find_features(&mesh, &wanted, 0.0).graph;
     let work = WorkMesh { mesh, binding: features.clone(), features };
-    let singularities: Vec<(VertexId, i32)> = request.singularities.iter().map(|&(v, i)| (VertexId(v), i)).collect();
+    let listed = request.singularities.iter().flatten();
+    let singularities: Vec<(VertexId, i32)> = listed.map(|&(v, i)| (VertexId(v), i)).collect();
     // 3. The field.
     let only = is_whole && !request.other_singularities;
     let (field, report) = cross_field(&work, 0.0, Prescribed { at: &singularities, only }, progress)?;
@@ -67,18 +81,16 @@ pub fn solve_field(soup: &FaceSoup, request: &FieldRequest, progress: &Progress)
         crosses: mesh.faces().map(|f| [0, 1, 2, 3].map(|d| field.direction(mesh, f, d))).collect(),
         singularities: singular.iter().map(|&(v, i)| (v.0, i)).collect(),
         energy: report.energy,
-        warnings: others_warning(others).into_iter().collect(),
+        warnings: missing_edges_warning(&missing).into_iter().chain(others_warning(others)).collect(),
     })
 }
 
 /// Refuses lists that no field has, component by component; says whether every component has given vertices.
 fn check_singularities(mesh: &TriMesh, request: &FieldRequest) -> Result<bool, RemeshError> {
-    if request.singularities.is_empty() {
-        return Ok(false);
-    }
+    let Some(listed) = &request.singularities else { return Ok(false) };
     let unfit = |why: String| RemeshError::Mismatch { what: "the list of singularities", why };
     let mut quarters: BTreeMap<VertexId, Vec<i32>> = BTreeMap::new();
-    for &(v, index) in &request.singularities {
+    for &(v, index) in listed {
         if v as usize >= mesh.vertex_count() {
             return Err(unfit(format!("there is no vertex {v} on the surface")));
         }
@@ -89,7 +101,10 @@ fn check_singularities(mesh: &TriMesh, request: &FieldRequest) -> Result<bool, R
         let mut list = Vec::new();
         for (vertex, whole) in component.vertex_of.iter() {
             let given = quarters.get(whole).into_iter().flatten();
-            list.extend(given.map(|&quarters| SingularityRequest { asked: whole.0, vertex, quarters }));
+            list.extend(given.map(|&quarters| SingularityRequest { asked: whole.0, vertex, quarters, named: true }));
+        }
+        if listed.is_empty() {
+            list.extend(SingularityRequest::of_no_vertex(&component.mesh));
         }
         check_list(&component.mesh, &list, request.other_singularities)?;
         everywhere &= !list.is_empty();

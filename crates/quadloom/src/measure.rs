@@ -54,16 +54,22 @@ pub fn feature_report(parts: &[Part]) -> FeatureReport {
     report
 }
 
-/// Chains along which quad edges run.
+/// Number of chains along which quad edges run.
 pub fn chains_kept(part: &Part) -> usize {
-    let Some(solution) = &part.solution else { return part.features.graph.chains.len() };
-    let mut kept = vec![false; part.features.graph.chains.len()];
+    kept_chains(part).into_iter().filter(|&k| k).count()
+}
+
+/// Whether quad edges run along each chain.
+pub fn kept_chains(part: &Part) -> Vec<bool> {
+    let chains = part.features.graph.chains.len();
+    let Some(solution) = &part.solution else { return vec![true; chains] };
+    let mut kept = vec![false; chains];
     for &chain in solution.extraction.feature_edges.values().iter().flatten() {
         if let Some(kept) = kept.get_mut(chain as usize) {
             *kept = true;
         }
     }
-    kept.into_iter().filter(|&k| k).count()
+    kept
 }
 
 /// The cross fields of all parts.

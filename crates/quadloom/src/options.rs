@@ -96,7 +96,8 @@ pub struct RemeshOptions {
     pub field: Option<GivenField>,
     /// Prescribed singular vertices: numbers of the input file with their index in quarters; valence 3 is +1.
     /// None may be on a boundary; on a closed component that has some, they sum to four times its Euler characteristic.
-    pub singularities: Vec<(u32, i32)>,
+    /// An empty list asks for none at all, as a torus can do; `None`: nothing is prescribed.
+    pub singularities: Option<Vec<(u32, i32)>>,
     /// Whether other vertices may be singular besides the prescribed ones. Default false: the list is the whole one.
     pub other_singularities: bool,
     /// Pairs of vertices of the input file: a chain of quad edges is to join the irregular vertices nearest to them.
@@ -130,7 +131,7 @@ impl Default for RemeshOptions {
             curl_correction: 0.6,
             density: None,
             field: None,
-            singularities: Vec::new(),
+            singularities: None,
             other_singularities: false,
             ties: Vec::new(),
             relocate: false,
@@ -158,7 +159,7 @@ impl RemeshOptions {
             .and(positive("tolerance", self.tolerance))
             .and(part("adaptivity", self.adaptivity))
             .and(part("anisotropy", self.anisotropy))
-            .and(part("curl correction", self.curl_correction))
+            .and(part("curl-correction", self.curl_correction))
             .and(self.sharp_angle.map_or(Ok(()), |a| (a > 0.0 && a <= 180.0).then_some(()).ok_or(("sharp-angle", a))))
             .map_err(|(option, value)| RemeshError::Option { option, value })?;
         match self.ties.iter().find(|[a, b]| a == b) {

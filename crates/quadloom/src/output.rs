@@ -6,13 +6,13 @@ use crate::error::RemeshError;
 use crate::part::Solution;
 use crate::remesh::RemeshResult;
 use quadloom_extract::QuadQuality;
-use quadloom_io::{Format, IoError, SurfaceOut, write_rawfield, write_rosy, write_surface};
+use quadloom_io::{Batch, Format, IoError, SurfaceOut, stage_rawfield, stage_rosy, stage_surface};
 use quadloom_mesh::{CornerId, DVec3};
 use quadloom_param::{GRID_UNIT, LatticePoint};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The quads with the integer-grid coordinates of their corners, and, in formats for analysis, the scaled Jacobian of
-/// every quad and the valence of every vertex.
+/// The quads; in formats that hold them with the integer-grid coordinates of their corners, and in formats for analysis
+/// with the scaled Jacobian of every quad and the valence of every vertex.
 pub fn quad_surface(result: &RemeshResult, format: Option<Format>) -> SurfaceOut {
     let quads = &result.quads;
     let mut surface = SurfaceOut::from(quads);
@@ -22,9 +22,11 @@ pub fn quad_surface(result: &RemeshResult, format: Option<Format>) -> SurfaceOut
         surface.vertex_attributes =
             vec![("valence".into(), quads.vertices().map(|v| quads.valence(v) as f64).collect())];
     }
-    let grid: Option<Vec<Vec<[f64; 2]>>> =
-        result.parts.iter().map(|p| p.solution.as_ref().map(grid_uv)).collect::<Option<Vec<_>>>().map(|g| g.concat());
-    surface.corner_uv = grid;
+    // Nobody asked for them: where they find no place, nothing is missed.
+    if format.is_none_or(|f| matches!(f, Format::Obj | Format::Ply)) {
+        let grids = result.parts.iter().map(|p| p.solution.as_ref().map(grid_uv));
+        surface.corner_uv = grids.collect::<Option<Vec<_>>>().map(|g| g.concat());
+    }
     surface
 }
 
@@ -51,10 +53,18 @@ fn grid_point(p: LatticePoint) -> [f64; 2] {
     p.map(|x| x as f64 / GRID_UNIT as f64)
 }
 
-/// Writes the cross field, and beside it, as .obj, the mesh that it lives on.
+/// Where the mesh goes that a written cross field lives on: `.obj` is added to the whole name, so that it clashes with no
+/// other file by accident.
+pub fn field_surface_path(field: &Path) -> PathBuf {
+    let mut name = field.as_os_str().to_os_string();
+    name.push(".obj");
+    name.into()
+}
+
+/// Adds the cross field to the files to be written, and the mesh that it lives on ([`field_surface_path`]).
 ///
 /// # Errors     every error of writing; an extension that is no field's
-pub fn write_field(path: &Path, result: &RemeshResult) -> Result<(), RemeshError> {
+pub fn stage_field(files: &mut Batch, path: &Path, result: &RemeshResult) -> Result<(), RemeshError> {
     let mut surface = SurfaceOut::default();
     let mut crosses: Vec<[DVec3; 4]> = Vec::new();
     for solution in solutions(result) {
@@ -62,21 +72,21 @@ pub fn write_field(path: &Path, result: &RemeshResult) -> Result<(), RemeshError
         append(&mut surface, &SurfaceOut::from(mesh));
         crosses.extend(mesh.faces().map(|f| [0, 1, 2, 3].map(|d| solution.field.direction(mesh, f, d))));
     }
-    write_crosses(path, &crosses)?;
-    write_surface(path.with_extension("obj"), &surface, &Default::default())?;
+    stage_crosses(files, path, &crosses)?;
+    stage_surface(files, field_surface_path(path), &surface, &Default::default())?;
     Ok(())
 }
 
 /// Extensions of cross fields that are written, for messages.
 pub const FIELDS_WRITTEN: &str = ".rosy or .rawfield";
 
-/// Writes crosses as `.rosy` (one direction each) or `.rawfield` (all four).
+/// Adds crosses to the files to be written, as `.rosy` (one direction each) or `.rawfield` (all four).
 ///
 /// # Errors     every error of writing; an extension that is no field's
-pub fn write_crosses(path: &Path, crosses: &[[DVec3; 4]]) -> Result<(), RemeshError> {
+pub fn stage_crosses(files: &mut Batch, path: &Path, crosses: &[[DVec3; 4]]) -> Result<(), RemeshError> {
     match path.extension().and_then(|e| e.to_str()) {
-        Some("rosy") => write_rosy(path, &crosses.iter().map(|c| c[0]).collect::<Vec<_>>())?,
-        Some("rawfield") => write_rawfield(path, crosses)?,
+        Some("rosy") => stage_rosy(files, path, &crosses.iter().map(|c| c[0]).collect::<Vec<_>>())?,
+        Some("rawfield") => stage_rawfield(files, path, crosses)?,
         _ => return Err(IoError::UnknownOutput { path: path.to_path_buf(), expected: FIELDS_WRITTEN }.into()),
     }
     Ok(())

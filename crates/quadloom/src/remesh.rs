@@ -8,8 +8,10 @@
 use crate::components::{join, shares};
 use crate::error::{RemeshError, Warning, WarningCode};
 use crate::features::FeatureRequest;
+use crate::input::check_extent;
+use crate::inspect::{as_read, topology_warning};
 use crate::measure::{
-    chains_kept, distances, feature_report, field_summary, map_summary, relocation_summary, surface_report,
+    distances, feature_report, field_summary, kept_chains, map_summary, relocation_summary, surface_report,
 };
 use crate::memory;
 use crate::options::{AUTO_QUADS_MAX, AUTO_QUADS_MIN, Elements, Fallback, MOST_QUADS, RemeshOptions, Target};
@@ -20,9 +22,12 @@ use crate::sizes::SizeRequest;
 use crate::stages::no_result;
 use crate::ties::{TieRequest, tie_reports, tie_warnings};
 use quadloom_extract::{IrregularVertices, QuadQuality};
-use quadloom_mesh::repair::{Component, FindingKind, RepairOptions, Repaired, repair, split_components};
-use quadloom_mesh::{DVec3, FaceMap, FaceSoup, Progress, QuadMesh, TriMesh, VertexId, VertexMap, metric};
+use quadloom_mesh::repair::{Component, FindingKind, RepairError, RepairOptions, Repaired, repair, split_components};
+use quadloom_mesh::{
+    ClosestPoint, DVec3, FaceMap, FaceSoup, FeatureKind, Progress, QuadMesh, TriMesh, VertexId, VertexMap, metric,
+};
 use rayon::prelude::*;
+use std::time::Instant;
 
 /// The quads and everything known about them.
 #[derive(Clone, Debug)]
@@ -44,36 +49,40 @@ pub struct RemeshResult {
 /// # Cost       near-linear in triangles and quads; about 10 seconds for 200,000 triangles
 /// # Guarantees what the module says; warnings in the report say what was missed
 pub fn remesh(soup: &FaceSoup, options: &RemeshOptions, progress: &Progress) -> Result<RemeshResult, RemeshError> {
+    let begin = Instant::now();
     options.check()?;
+    check_extent(soup)?;
     let mut seconds = Seconds::default();
     progress.report("repair", 0.0);
     let repaired = seconds.time("repair", || repair(soup, &RepairOptions::default()))?;
     progress.check()?;
-    remesh_repaired(soup, &repaired, options, seconds, progress)
+    remesh_repaired(soup, &repaired, options, (begin, seconds), progress)
 }
 
 /// Makes a pure-quad mesh of a triangle mesh.
 ///
 /// As [`remesh`], without a repair.
 pub fn remesh_mesh(mesh: &TriMesh, options: &RemeshOptions, progress: &Progress) -> Result<RemeshResult, RemeshError> {
+    let begin = Instant::now();
     options.check()?;
     let soup = FaceSoup {
         positions: mesh.positions().values().to_vec(),
         faces: mesh.to_faces().iter().map(|f| f.to_vec()).collect(),
         ..FaceSoup::default()
     };
+    check_extent(&soup)?;
     let repaired = Repaired {
         mesh: mesh.clone(),
         vertex_of_input: mesh.vertices().map(Some).collect(),
         input_face: FaceMap::from_fn(mesh.face_count(), |f| f.0),
         report: Default::default(),
     };
-    remesh_repaired(&soup, &repaired, options, Seconds::default(), progress)
+    remesh_repaired(&soup, &repaired, options, (begin, Seconds::default()), progress)
 }
 
 /// Number of quads that the options ask of a mesh.
 pub fn target_count(mesh: &TriMesh, target: Target) -> usize {
-    let of_length = |length: f64| ((mesh.area() / (length * length)).round().min(1e9) as usize).max(1);
+    let of_length = |length: f64| ((mesh.area() / (length * length)).round() as usize).max(1);
     match target {
         Target::Auto => (mesh.face_count() / 4).clamp(AUTO_QUADS_MIN, AUTO_QUADS_MAX),
         Target::Quads(n) => n,
@@ -89,16 +98,19 @@ fn remesh_repaired(
     soup: &FaceSoup,
     repaired: &Repaired,
     options: &RemeshOptions,
-    mut seconds: Seconds,
+    (begin, mut seconds): (Instant, Seconds),
     progress: &Progress,
 ) -> Result<RemeshResult, RemeshError> {
     let mesh = &repaired.mesh;
     let mut warnings = repair_warnings(repaired);
+    let read = as_read(soup, repaired);
+    warnings.extend(topology_warning(&read, repaired));
     // 1. Components and their shares.
     let components = split_components(mesh).map_err(|e| no_result("components", e))?;
+    check_area(soup, repaired, &components)?;
     let asked = target_count(mesh, options.target);
     if asked > MOST_QUADS {
-        return Err(RemeshError::TooMany { asked, most: MOST_QUADS });
+        return Err(RemeshError::TooMany { asked: asked as f64, most: MOST_QUADS });
     }
     let share = shares(&components, asked);
     let requests = requests(soup, repaired, &components, &share, options, &mut warnings)?;
@@ -123,10 +135,10 @@ fn remesh_repaired(
     // 4. What was measured.
     progress.report("report", 0.0);
     let count = count_report(asked, quads.face_count(), options);
-    if count.error_percent.abs() > count.tolerance_percent && count.explicit {
+    if count.error_percent.abs() > count.tolerance_percent {
         warnings.push(count_warning(&count, &parts));
     }
-    warnings.extend(feature_warnings(&parts, !options.features.is_empty() || !options.guides.is_empty()));
+    warnings.extend(feature_warnings(&parts, options));
     let singularities = singularity_summary(&requests, &parts);
     warnings.extend(singularities.iter().flat_map(|s| singularity_warnings(s, options.other_singularities)));
     let ties = tie_reports(&requests, &parts);
@@ -141,6 +153,7 @@ fn remesh_repaired(
         report_version: REPORT_VERSION,
         quadloom: env!("CARGO_PKG_VERSION"),
         units: Units::OF_REPORT,
+        input_as_read: read,
         input: surface_report(mesh),
         repairs: repaired.report.findings().map(ToString::to_string).collect(),
         output: surface_report(&quads),
@@ -156,6 +169,7 @@ fn remesh_repaired(
         facing_against: 0,
         distance: distances(&parts, mesh),
         components: component_reports(&components, &share, &parts),
+        total_seconds: (begin.elapsed().as_secs_f64() * 1e3).round() / 1e3,
         seconds,
         peak_memory_bytes: memory::peak_bytes(),
         warnings,
@@ -204,24 +218,28 @@ fn requests<'a>(
         })
         .collect();
     // 1. Named edges.
-    let mut missing = 0;
-    for &[a, b] in &options.features {
-        match (find(a), find(b)) {
-            (Some((i, a)), Some((j, b))) if i == j => requests[i].features.edges.push([a, b]),
-            _ => missing += 1,
+    let mut missing = Vec::new();
+    for &named in &options.features {
+        match named.map(find) {
+            [Some((i, a)), Some((j, b))] if i == j && components[i].mesh.find_edge(a, b).is_some() => {
+                requests[i].features.edges.push([a, b]);
+            }
+            _ => missing.push(named),
         }
     }
-    if missing > 0 {
-        let message = format!("{missing} feature edges do not join two vertices of one component and are not kept");
-        warnings.push(Warning::new(WarningCode::FeatureMissed, message));
-    }
+    warnings.extend(missing_edges_warning(&missing));
     // 2. Singular vertices.
-    for &(asked, quarters) in &options.singularities {
+    for &(asked, quarters) in options.singularities.iter().flatten() {
         let (i, vertex) = find(asked).ok_or_else(|| RemeshError::Mismatch {
             what: "the list of singularities",
             why: format!("there is no vertex {asked} on the surface"),
         })?;
-        requests[i].singularities.push(SingularityRequest { asked, vertex, quarters });
+        requests[i].singularities.push(SingularityRequest { asked, vertex, quarters, named: true });
+    }
+    if options.singularities.as_ref().is_some_and(Vec::is_empty) && !options.other_singularities {
+        for (request, component) in requests.iter_mut().zip(components) {
+            request.singularities.extend(SingularityRequest::of_no_vertex(&component.mesh));
+        }
     }
     for request in &requests {
         check_list(request.mesh, &request.singularities, options.other_singularities)?;
@@ -249,6 +267,7 @@ fn requests<'a>(
             requests[i].features.guides.push(guide.clone());
         }
     }
+    warnings.extend(far_guides(&repaired.mesh, &options.guides));
     // 5. Density.
     if let Some(name) = &options.density {
         let value = density(soup, name)?;
@@ -280,11 +299,80 @@ fn requests<'a>(
 fn density<'a>(soup: &'a FaceSoup, name: &str) -> Result<&'a [f64], RemeshError> {
     let found = soup.vertex_attributes.iter().find(|(n, _)| n == name);
     found.map(|(_, values)| values.as_slice()).ok_or_else(|| {
-        let names: Vec<&str> = soup.vertex_attributes.iter().map(|(n, _)| n.as_str()).collect();
-        let there =
-            if names.is_empty() { "it has none (OBJ and STL cannot have any)".into() } else { names.join(", ") };
-        RemeshError::Mismatch { what: "--density", why: format!("there is no vertex attribute {name}; {there}") }
+        let names: Vec<String> = soup.vertex_attributes.iter().map(|(n, _)| format!("`{n}`")).collect();
+        let there = match &names[..] {
+            [] => "it has no attributes at all (OBJ and STL cannot have any)".into(),
+            _ => format!("it has {}", names.join(", ")),
+        };
+        let why = format!("there is no vertex attribute `{name}` (colours are none); {there}");
+        RemeshError::Mismatch { what: "--density", why }
     })
+}
+
+/// Area of a piece, relative to the square of its diagonal, up to which it counts as none.
+///
+/// The flattest triangles that repair keeps have 1e-7, tubes as thin as hair on a house 1e-6.
+const LEAST_AREA_REL: f64 = 1e-10;
+
+/// Whether a mesh is more than a line.
+pub(crate) fn has_area(mesh: &TriMesh) -> bool {
+    mesh.area() > LEAST_AREA_REL * mesh.diagonal().powi(2)
+}
+
+/// Refuses pieces without area: nothing can be laid out on them.
+fn check_area(soup: &FaceSoup, repaired: &Repaired, components: &[Component]) -> Result<(), RemeshError> {
+    let without: Vec<&Component> = components.iter().filter(|c| !has_area(&c.mesh)).collect();
+    match without[..] {
+        [] => Ok(()),
+        [..] if without.len() == components.len() => Err(RepairError::NothingLeft { faces: soup.faces.len() }.into()),
+        [piece, ..] => {
+            let faces = piece.mesh.face_count();
+            let first = piece.face_of.values().first().map_or(0, |&f| repaired.input_face[f]);
+            Err(RemeshError::NoArea { faces, first })
+        }
+    }
+}
+
+/// A warning about named edges that the mesh does not have, by the vertices of the file.
+pub(crate) fn missing_edges_warning(missing: &[[u32; 2]]) -> Option<Warning> {
+    let &[a, b] = missing.first()?;
+    let message = format!(
+        "{} feature edges are not edges of the mesh and are not kept (first: vertices {a} and {b})",
+        missing.len()
+    );
+    let elements = Elements::Vertices(missing.as_flattened().to_vec());
+    Some(Warning::new(WarningCode::FeatureMissed, message).at(elements))
+}
+
+/// Distance of a drawn curve from the surface, relative to the surface's diagonal, from which it counts as far.
+///
+/// Curves drawn with few points leave a surface by a hundredth; those in other units or places are nowhere near.
+const FAR_GUIDE_REL: f64 = 0.05;
+
+/// A warning about drawn curves that are somewhere else; they are traced all the same, along what is nearest.
+fn far_guides(mesh: &TriMesh, guides: &[Vec<DVec3>]) -> Option<Warning> {
+    if guides.is_empty() {
+        return None;
+    }
+    let tree = ClosestPoint::new(mesh);
+    let limit = FAR_GUIDE_REL * mesh.diagonal();
+    let farthest = |guide: &Vec<DVec3>| {
+        let distances = guide.iter().map(|&p| tree.query(p).distance).enumerate();
+        distances.fold((0, 0.0), |far: (usize, f64), near| if near.1 > far.1 { near } else { far })
+    };
+    let all = guides.iter().map(farthest).enumerate();
+    let far: Vec<(usize, (usize, f64))> = all.filter(|(_, (_, distance))| *distance > limit).collect();
+    let &(curve, (point, distance)) = far.first()?;
+    let message = format!(
+        "{} of {} drawn curves are far from the surface (first: point {} of curve {} is {distance:.3e} away, the surface \
+         has a diagonal of {:.3e}); check their units and place",
+        far.len(),
+        guides.len(),
+        point + 1,
+        curve + 1,
+        mesh.diagonal()
+    );
+    Some(Warning::new(WarningCode::GuideFar, message))
 }
 
 fn nearest_component(mesh: &TriMesh, place: &VertexMap<(usize, VertexId)>, guide: &[DVec3]) -> Option<usize> {
@@ -351,34 +439,37 @@ fn count_warning(count: &CountReport, parts: &[Part]) -> Warning {
     } else {
         "no map without folds was found nearer to it; ask for another number"
     };
-    let message = format!(
-        "{} quads instead of {} ({:+.1} %, tolerance {} %): {why}",
-        count.reached, count.asked, count.error_percent, count.tolerance_percent
-    );
-    Warning::new(WarningCode::CountMissed, message)
+    let of = format!("({:+.1} %, tolerance {} %)", count.error_percent, count.tolerance_percent);
+    if count.explicit {
+        let message = format!("{} quads instead of {} {of}: {why}", count.reached, count.asked);
+        return Warning::new(WarningCode::CountMissed, message);
+    }
+    let message = format!("{} quads were made where {} were aimed at {of}: {why}", count.reached, count.asked);
+    Warning::new(WarningCode::DefaultCountMissed, message)
 }
 
-fn feature_warnings(parts: &[Part], named: bool) -> Vec<Warning> {
-    let sum = |f: fn(&Part) -> usize| parts.iter().map(f).sum::<usize>();
+fn feature_warnings(parts: &[Part], options: &RemeshOptions) -> Vec<Warning> {
     let mut warnings = Vec::new();
-    let dropped = sum(|p| p.features.dropped_edges);
+    let dropped = parts.iter().map(|p| p.features.dropped_edges).sum::<usize>();
     if dropped > 0 {
         let message = format!(
             "{dropped} sharp edges in pieces that are short, or no sharper than the surface around them, were not kept"
         );
         warnings.push(Warning::new(WarningCode::LooseFeaturesDropped, message));
     }
-    let lost = sum(|p| p.features.graph.chains.len()) - parts.iter().map(chains_kept).sum::<usize>();
+    // Boundaries that are to be free are not lost.
+    let wanted = |kind: FeatureKind| options.keep_boundary || kind != FeatureKind::Boundary;
+    let lost_of = |part: &Part| {
+        let chains = part.features.graph.chains.iter().zip(kept_chains(part));
+        chains.filter(|(chain, kept)| !kept && wanted(chain.kind)).count()
+    };
+    let lost = parts.iter().map(lost_of).sum::<usize>();
     if lost > 0 {
         let message = format!("{lost} feature curves have no quad edge along them");
         // What nobody asked for is not missed.
+        let named = !options.features.is_empty() || !options.guides.is_empty();
         let code = if named { WarningCode::FeatureMissed } else { WarningCode::FeatureLost };
         warnings.push(Warning::new(code, message));
-    }
-    let missing = sum(|p| p.features.missing_edges);
-    if missing > 0 {
-        let message = format!("{missing} feature edges are not edges of the mesh and are not kept");
-        warnings.push(Warning::new(WarningCode::FeatureMissed, message));
     }
     warnings
 }

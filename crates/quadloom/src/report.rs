@@ -26,7 +26,9 @@ pub struct Report {
     pub quadloom: &'static str,
     /// Units of the numbers below.
     pub units: Units,
-    /// The repaired input.
+    /// The input as it was read, equal positions taken for one vertex.
+    pub input_as_read: AsRead,
+    /// The repaired input, which the result stands for.
     pub input: SurfaceReport,
     /// Quads that face against the input; more than zero is never handed out.
     pub facing_against: usize,
@@ -56,7 +58,10 @@ pub struct Report {
     pub distance: Option<Distances>,
     /// How each component was made.
     pub components: Vec<ComponentReport>,
-    /// Wall-clock seconds of each stage; stages of components that ran at the same time are added up.
+    /// Wall-clock seconds of the run, reading and writing files not included.
+    pub total_seconds: f64,
+    /// Seconds of each stage, summed over components, some of which ran at the same time: their sum may be more than the
+    /// total.
     pub seconds: Seconds,
     /// Largest resident memory, bytes.
     pub peak_memory_bytes: Option<u64>,
@@ -86,8 +91,23 @@ impl Units {
         distance: "percent of the diagonal of the input's bounding box",
         angle: "degrees",
         index: "quarters: 4 minus valence",
-        seconds: "seconds of wall-clock time",
+        seconds: "seconds; those of stages are summed over components, which run at the same time",
     };
+}
+
+/// Counts of a surface as it was read, before anything was cured.
+///
+/// Equal positions are one vertex; copies of faces and faces with fewer than three vertices do not count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct AsRead {
+    /// Faces, as many as the file has.
+    pub faces: usize,
+    /// Pieces whose faces hang together by edges.
+    pub components: usize,
+    /// Pieces of the boundary that hang together by vertices: loops, wherever no two of them touch.
+    pub boundary_loops: usize,
+    /// Edges with more than two faces.
+    pub non_manifold_edges: usize,
 }
 
 /// Counts and size of a surface.

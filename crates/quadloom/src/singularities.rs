@@ -11,6 +11,7 @@ use crate::options::Elements;
 use crate::part::{Part, PartRequest};
 use crate::stages::WorkMesh;
 use quadloom_extract::{Extraction, Placement};
+use quadloom_mesh::metric::{angle_defects, corner_angles, edge_lengths};
 use quadloom_mesh::topology::euler_characteristic;
 use quadloom_mesh::{ClosestPoint, DVec3, MeshError, QuadConnectivity, QuadMesh, TriMesh, VertexId};
 use serde::Serialize;
@@ -25,6 +26,19 @@ pub struct SingularityRequest {
     pub vertex: VertexId,
     /// Index in quarters: 1 for valence 3, 0 for a vertex that is to be regular.
     pub quarters: i32,
+    /// Whether the user named it; else it only stands for a list that names none ([`SingularityRequest::of_no_vertex`]).
+    pub named: bool,
+}
+
+impl SingularityRequest {
+    /// What an empty list asks of a component: its flattest interior vertex is to be regular and, as with any list, all
+    /// that are not on it, too. `None` where there is no interior vertex.
+    pub fn of_no_vertex(mesh: &TriMesh) -> Option<Self> {
+        let defect = angle_defects(mesh, &corner_angles(mesh, &edge_lengths(mesh)));
+        let interior = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v));
+        let vertex = interior.min_by(|&a, &b| defect[a].abs().total_cmp(&defect[b].abs()).then(a.cmp(&b)))?;
+        Some(Self { asked: vertex.0, vertex, quarters: 0, named: false })
+    }
 }
 
 /// What became of a given vertex.
@@ -72,7 +86,7 @@ pub fn check_list(mesh: &TriMesh, list: &[SingularityRequest], others: bool) -> 
     let unfit = |why: String| Err(RemeshError::Mismatch { what: LIST, why });
     // 1. Each vertex by itself.
     let mut known: BTreeMap<VertexId, u32> = BTreeMap::new();
-    for &SingularityRequest { asked, vertex, quarters } in list {
+    for &SingularityRequest { asked, vertex, quarters, .. } in list {
         if mesh.is_boundary_vertex(vertex) {
             return unfit(format!(
                 "vertex {asked} is on the boundary, where no index is defined; name interior vertices"
@@ -142,7 +156,7 @@ pub fn on_work_mesh(work: &WorkMesh, request: &PartRequest) -> Result<Vec<(Verte
     };
     let mut taken: BTreeMap<VertexId, u32> = BTreeMap::new();
     let mut placed = Vec::with_capacity(request.singularities.len());
-    for &SingularityRequest { asked, vertex, quarters } in &request.singularities {
+    for &SingularityRequest { asked, vertex, quarters, .. } in &request.singularities {
         let Some(v) = nearest(request.mesh.position(vertex)) else { continue };
         if let Some(before) = taken.insert(v, asked) {
             let why = format!(
@@ -242,7 +256,7 @@ fn look_for(list: &[SingularityRequest], mesh: &TriMesh, quads: &QuadMesh, edge:
     let mut irregular = Irregular::new(quads, |v| quads.position(v));
     let mut given = Vec::with_capacity(list.len());
     // 1. Those with an index take theirs.
-    for s in list {
+    for s in list.iter().filter(|s| s.named) {
         let mut report = SingularityReport { vertex: s.asked, quarters: s.quarters, found: true, distance: None };
         if s.quarters != 0 {
             let hit = irregular.take(mesh.position(s.vertex), FOUND_REL * edge, s.quarters);
@@ -252,7 +266,7 @@ fn look_for(list: &[SingularityRequest], mesh: &TriMesh, quads: &QuadMesh, edge:
         given.push(report);
     }
     // 2. Those that are to be regular have no other one beside them.
-    for (s, report) in list.iter().zip(&mut given).filter(|(s, _)| s.quarters == 0) {
+    for (s, report) in list.iter().filter(|s| s.named).zip(&mut given).filter(|(s, _)| s.quarters == 0) {
         report.found = irregular.nearest(mesh.position(s.vertex), REGULAR_REL * edge, |_| true).is_none();
     }
     SingularitySummary { given, others: irregular.taken.iter().filter(|&&t| !t).count() }
@@ -294,7 +308,10 @@ mod tests {
     use quadloom_mesh::shapes;
 
     fn list(entries: &[(u32, i32)]) -> Vec<SingularityRequest> {
-        entries.iter().map(|&(v, quarters)| SingularityRequest { asked: v, vertex: VertexId(v), quarters }).collect()
+        entries
+            .iter()
+            .map(|&(v, quarters)| SingularityRequest { asked: v, vertex: VertexId(v), quarters, named: true })
+            .collect()
     }
 
     fn complaint(mesh: &TriMesh, entries: &[(u32, i32)], others: bool) -> String {
@@ -312,6 +329,20 @@ mod tests {
         assert!(complaint(&cube, &[(0, 1)], false).contains("characteristic 2 needs 8"));
         // Far beyond 32 bits.
         assert!(complaint(&cube, &[(0, i32::MIN), (1, i32::MIN)], false).contains("-4294967296"));
+    }
+
+    #[test]
+    fn no_vertex_is_a_list_for_a_torus_only() {
+        let (torus, cube) = (shapes::torus(1.0, 0.4, 24, 12), shapes::cube(1.0, 4));
+        let none = |mesh: &TriMesh| SingularityRequest::of_no_vertex(mesh).expect("an interior vertex");
+        assert!(check_list(&torus, &[none(&torus)], false).is_ok());
+        let refused = check_list(&cube, &[none(&cube)], false).expect_err("a sphere").to_string();
+        assert!(refused.contains("sum to 0 quarters") && refused.contains("needs 8"), "{refused}");
+        // It is not reported as if somebody had named it, and is not at a corner of the cube.
+        let quads = split_triangles(&cube).expect("quads");
+        assert!(look_for(&[none(&cube)], &cube, &quads, 0.1).given.is_empty());
+        let from_centre = (cube.position(none(&cube).vertex) - DVec3::splat(0.5)).abs();
+        assert!(from_centre.min_element() < 0.49);
     }
 
     #[test]
@@ -344,7 +375,7 @@ mod tests {
             let there = quads.vertices().find(|&q| quads.position(q).distance(cube.position(v)) < 1e-9);
             quads.valence(there.expect("a vertex of the cube")) as i32
         };
-        let entry = |v: VertexId| SingularityRequest { asked: v.0, vertex: v, quarters: 4 - valence(v) };
+        let entry = |v: VertexId| SingularityRequest { asked: v.0, vertex: v, quarters: 4 - valence(v), named: true };
         let mut entries: Vec<_> = cube.vertices().map(entry).filter(|s| s.quarters != 0).collect();
         let summary = look_for(&entries, &cube, &quads, 0.1);
         assert!(entries.len() == 2 && summary.given.iter().all(|s| s.found && s.distance < Some(1e-9)), "{summary:?}");

@@ -1,12 +1,12 @@
 //! `quadloom check`
 
-use super::read;
+use super::{read, repaired};
 use crate::args::CheckArgs;
 use crate::exit;
-use quadloom::RemeshError;
-use quadloom::inspect::{Inspection, as_quads, inspect};
-use quadloom::mesh::repair::{RepairOptions, repair};
+use quadloom::inspect::{Inspection, as_quads, as_read, inspect, topology_warning};
+use quadloom::mesh::repair::Repaired;
 use quadloom::verify::verify_against;
+use quadloom::{FaceSoup, RemeshError};
 use std::process::ExitCode;
 
 /// Says what is wrong with a mesh; exit code 4 if something is.
@@ -18,8 +18,12 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, RemeshError> {
         .iter()
         .map(|d| format!("{} defects of this kind, first: {}; cure: {}", d.count, d.first, d.cure))
         .collect();
+    let mut notes = Vec::new();
     if let Some(reference) = &args.reference {
-        let surface = repair(&read(reference)?, &RepairOptions::default())?.mesh;
+        let as_given = read(reference)?;
+        let repaired = repaired(&as_given, reference)?;
+        notes = repairs(&as_given, &repaired);
+        let surface = repaired.mesh;
         match as_quads(&soup) {
             Some(Ok(quads)) => {
                 let verification = verify_against(&quads, &surface);
@@ -33,18 +37,32 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, RemeshError> {
         let inverted = inspection.quality.as_ref().map_or(0, |q| q.inverted);
         complaints.push(format!("{inverted} quads are inverted (scaled Jacobian of zero or less)"));
     }
-    print(args, &inspection, &complaints);
+    print(args, &inspection, &complaints, &notes);
     Ok(ExitCode::from(if complaints.is_empty() { exit::DONE } else { exit::REJECTED }))
 }
 
-fn print(args: &CheckArgs, inspection: &Inspection, complaints: &[String]) {
+/// What was done to the reference before the quads were compared with it.
+fn repairs(soup: &FaceSoup, repaired: &Repaired) -> Vec<String> {
+    let change = topology_warning(&as_read(soup, repaired), repaired).map(|w| w.message);
+    change.into_iter().chain(repaired.report.findings().map(ToString::to_string)).collect()
+}
+
+fn print(args: &CheckArgs, inspection: &Inspection, complaints: &[String], notes: &[String]) {
     if args.json {
         let valid = complaints.is_empty();
         println!(
             "{:#}",
-            serde_json::json!({ "valid": valid, "complaints": complaints, "defects": inspection.defects })
+            serde_json::json!({
+                "valid": valid,
+                "complaints": complaints,
+                "defects": inspection.defects,
+                "reference_repairs": notes,
+            })
         );
         return;
+    }
+    for note in notes {
+        println!("note: compared with the repaired reference: {note}");
     }
     for complaint in complaints {
         println!("{complaint}");

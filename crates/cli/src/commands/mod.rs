@@ -3,13 +3,15 @@
 pub mod check;
 pub mod convert;
 pub mod field;
+pub mod files;
 pub mod remesh;
 pub mod samples;
 pub mod stats;
 pub mod view;
 
 use crate::exit;
-use quadloom::io::{IoError, SurfaceOut, WriteOptions, write_surface};
+use quadloom::io::{Batch, SurfaceOut, WriteOptions, stage_surface};
+use quadloom::mesh::repair::{RepairOptions, Repaired, repair};
 use quadloom::{FaceSoup, RemeshError, Source, load};
 use std::path::Path;
 use std::process::ExitCode;
@@ -20,19 +22,31 @@ fn read(input: &str) -> Result<FaceSoup, RemeshError> {
     load(&source)
 }
 
-/// Threads of the whole process; asked for once, before anything is computed.
-fn use_threads(threads: Option<usize>) {
-    if let Some(n) = threads {
-        // A pool that exists already has been asked for by nobody but this function.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(n).build_global();
-    }
+/// The repaired surface of a soup; errors name the input.
+fn repaired(soup: &FaceSoup, input: &str) -> Result<Repaired, RemeshError> {
+    repair(soup, &RepairOptions::default()).map_err(|e| RemeshError::from(e).of_input(input))
+}
+
+/// Threads for each core beyond which more are not started: they only take turns, and thousands take minutes to start.
+const MOST_THREADS_PER_CORE: usize = 4;
+
+/// Threads of the whole process; asked for once, before anything is computed. Says so if fewer are used.
+fn use_threads(threads: Option<usize>) -> Option<String> {
+    let asked = threads?;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let used = asked.min(MOST_THREADS_PER_CORE * cores);
+    // A pool that exists already has been asked for by nobody but this function.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(used).build_global();
+    (used < asked).then(|| format!("note: {used} threads are used, {MOST_THREADS_PER_CORE} for each core"))
 }
 
 /// What can go to a file, by the extension of its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum OutputKind {
+pub enum OutputKind {
     /// A surface.
     Surface,
+    /// A surface with texture coordinates.
+    Map,
     /// A cross field.
     Field,
     /// A page.
@@ -46,6 +60,7 @@ impl OutputKind {
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         match self {
             Self::Surface => quadloom::io::Format::from_path(path).is_some(),
+            Self::Map => extension.as_deref() == Some("obj"),
             Self::Field => matches!(path.extension().and_then(|e| e.to_str()), Some("rosy" | "rawfield")),
             Self::Page => matches!(extension.as_deref(), Some("html" | "htm")),
             Self::Text => true,
@@ -55,6 +70,7 @@ impl OutputKind {
     fn expected(self) -> &'static str {
         match self {
             Self::Surface => quadloom::io::Format::WRITTEN,
+            Self::Map => ".obj",
             Self::Field => quadloom::output::FIELDS_WRITTEN,
             Self::Page => ".html",
             Self::Text => "any name",
@@ -62,30 +78,15 @@ impl OutputKind {
     }
 }
 
-/// Fails now rather than after minutes: the format must be one that is written, the folder must exist.
-fn check_output(path: &Path, kind: OutputKind) -> Result<(), RemeshError> {
-    if !kind.has(path) {
-        return Err(IoError::UnknownOutput { path: path.to_path_buf(), expected: kind.expected() }.into());
-    }
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(IoError::NoFolder { path: path.to_path_buf() }.into());
-    }
-    if path.is_dir() {
-        return Err(IoError::IsDirectory { path: path.to_path_buf() }.into());
-    }
-    Ok(())
-}
-
-/// Writes a surface; what the format could not hold is returned as text.
-fn write(path: &Path, surface: &SurfaceOut) -> Result<Vec<String>, RemeshError> {
-    let warnings = write_surface(path, surface, &WriteOptions::default())?;
+/// Adds a surface to the files to be written; what the format cannot hold is returned as text.
+fn stage(files: &mut Batch, path: &Path, surface: &SurfaceOut) -> Result<Vec<String>, RemeshError> {
+    let warnings = stage_surface(files, path, surface, &WriteOptions::default())?;
     Ok(warnings.iter().map(|w| format!("warning: {}: {w}", path.display())).collect())
 }
 
-/// Writes a text file whole or not at all.
-fn write_text(path: &Path, text: &str) -> Result<(), RemeshError> {
-    Ok(quadloom::io::write_atomically(path, |out| out.write_all(text.as_bytes()))?)
+/// Adds a text to the files to be written.
+fn stage_text(files: &mut Batch, path: &Path, text: &str) -> Result<(), RemeshError> {
+    Ok(files.stage(path, |out| out.write_all(text.as_bytes()))?)
 }
 
 fn done() -> Result<ExitCode, RemeshError> {

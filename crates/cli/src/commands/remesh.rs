@@ -1,28 +1,32 @@
 //! `quadloom remesh`
 
-use super::{OutputKind, check_output, read, use_threads, write, write_text};
+use super::files::Files;
+use super::{OutputKind, read, stage, stage_text, use_threads};
 use crate::args::{AdaptToArg, FallbackArg, MethodArg, RemeshArgs};
 use crate::console::Console;
 use crate::{exit, watchdog};
-use quadloom::io::{Format, read_features, read_guides, read_singularities, read_vertex_pairs};
+use quadloom::io::{Batch, Format, read_features, read_guides, read_singularities, read_vertex_pairs};
 use quadloom::view::render_html;
 use quadloom::{
     AdaptTo, FaceSoup, Fallback, GivenField, Method, RemeshError, RemeshOptions, RemeshResult, Report, Target, output,
     remesh, scene,
 };
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
+use std::time::Instant;
 
 /// Makes quads of a surface and writes what was asked for, all at the end.
 pub fn run(args: &RemeshArgs) -> Result<ExitCode, RemeshError> {
-    use_threads(args.run.threads);
+    let begin = Instant::now();
+    let fewer = use_threads(args.run.threads);
     let progress = watchdog::start(args.run.time_limit);
     let (console, progress) = Console::new(&args.run, progress);
-    check_outputs(args)?;
+    fewer.iter().for_each(|note| console.note(note));
+    files(args).check()?;
     progress.report("read", 0.0);
     let soup = read(&args.input)?;
     let options = options(args, &soup)?;
-    let result = remesh(&soup, &options, &progress)?;
+    let result = remesh(&soup, &options, &progress).map_err(|e| named(args, e))?;
     if options.target == Target::Auto {
         console.note(&default_count(&result));
     }
@@ -32,35 +36,36 @@ pub fn run(args: &RemeshArgs) -> Result<ExitCode, RemeshError> {
     for warning in write_all(args, &result)? {
         console.note(&warning);
     }
-    console.note(&summary(&result, &args.output));
+    console.note(&summary(&result, &args.output, begin.elapsed().as_secs_f64()));
     let missed = result.report.warnings.iter().any(|w| w.misses_request());
     Ok(ExitCode::from(if missed { exit::MISSED } else { exit::DONE }))
 }
 
-fn check_outputs(args: &RemeshArgs) -> Result<(), RemeshError> {
-    check_output(&args.output, OutputKind::Surface)?;
-    let others = [
-        (&args.write_field, OutputKind::Field),
-        (&args.write_map, OutputKind::Surface),
-        (&args.report, OutputKind::Text),
-        (&args.view, OutputKind::Page),
-    ];
-    let mut taken = vec![absolute(&args.output)];
-    for (path, kind) in others.into_iter().filter_map(|(path, kind)| Some((path.as_ref()?, kind))) {
-        check_output(path, kind)?;
-        if taken.contains(&absolute(path)) {
-            return Err(RemeshError::SameFile(path.clone()));
-        }
-        taken.push(absolute(path));
-    }
-    Ok(())
+fn files(args: &RemeshArgs) -> Files {
+    let field_surface = args.write_field.as_deref().map(output::field_surface_path);
+    Files::of(&args.input)
+        .reads("the features (--features)", args.features.as_ref())
+        .reads("the curves (--guides)", args.guides.as_ref())
+        .reads("the field (--field)", args.field.as_ref())
+        .reads("the singularities (--singularities)", args.singularities.as_ref())
+        .reads("the ties (--ties)", args.ties.as_ref())
+        .writes("the quads (-o)", Some(&args.output), OutputKind::Surface)
+        .writes("the field (--write-field)", args.write_field.as_ref(), OutputKind::Field)
+        .writes("the surface of the field (--write-field)", field_surface.as_ref(), OutputKind::Surface)
+        .writes("the map (--write-map)", args.write_map.as_ref(), OutputKind::Map)
+        .writes("the report (--report)", args.report.as_ref(), OutputKind::Text)
+        .writes("the page (--view)", args.view.as_ref(), OutputKind::Page)
 }
 
-/// A path with its folder resolved, so that two names of one file are the same.
-fn absolute(path: &Path) -> PathBuf {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
-    path.file_name().map_or_else(|| folder.clone(), |name| folder.join(name))
+/// An error with the name of the file that it is about.
+fn named(args: &RemeshArgs, error: RemeshError) -> RemeshError {
+    let beside = match &error {
+        RemeshError::Mismatch { what: "the list of singularities", .. } => args.singularities.as_ref(),
+        RemeshError::Mismatch { what: "the cross field", .. } => args.field.as_ref(),
+        _ => None,
+    };
+    let file = beside.map_or_else(|| args.input.clone(), |path| path.display().to_string());
+    error.of_input(&file)
 }
 
 fn options(args: &RemeshArgs, soup: &FaceSoup) -> Result<RemeshOptions, RemeshError> {
@@ -73,8 +78,8 @@ fn options(args: &RemeshArgs, soup: &FaceSoup) -> Result<RemeshOptions, RemeshEr
         None => Vec::new(),
     };
     let singularities = match &args.singularities {
-        Some(path) => read_singularities(path)?.iter().map(|s| (s.vertex, s.quarters)).collect(),
-        None => Vec::new(),
+        Some(path) => Some(read_singularities(path)?.iter().map(|s| (s.vertex, s.quarters)).collect()),
+        None => None,
     };
     let mut ties = args.tie.clone();
     if let Some(path) = &args.ties {
@@ -123,20 +128,24 @@ fn target(args: &RemeshArgs) -> Target {
     }
 }
 
+/// Writes all files or none.
 fn write_all(args: &RemeshArgs, result: &RemeshResult) -> Result<Vec<String>, RemeshError> {
-    let mut warnings = write(&args.output, &output::quad_surface(result, Format::from_path(&args.output)))?;
+    let mut files = Batch::new();
+    let quads = output::quad_surface(result, Format::from_path(&args.output));
+    let mut warnings = stage(&mut files, &args.output, &quads)?;
     if let Some(path) = &args.write_field {
-        output::write_field(path, result)?;
+        output::stage_field(&mut files, path, result)?;
     }
     if let Some(path) = &args.write_map {
-        warnings.extend(write(path, &output::map_surface(result))?);
+        warnings.extend(stage(&mut files, path, &output::map_surface(result))?);
     }
     if let Some(path) = &args.view {
-        write_text(path, &render_html(&scene::of_result(result, &title(args))))?;
+        stage_text(&mut files, path, &render_html(&scene::of_result(result, &title(args))))?;
     }
     if let Some(path) = &args.report {
-        write_text(path, &report_text(&result.report))?;
+        stage_text(&mut files, path, &report_text(&result.report))?;
     }
+    files.commit()?;
     Ok(warnings)
 }
 
@@ -163,9 +172,9 @@ fn title(args: &RemeshArgs) -> String {
     format!("{name} in quads")
 }
 
-fn summary(result: &RemeshResult, path: &Path) -> String {
+/// The result in a line; seconds: of the whole command.
+fn summary(result: &RemeshResult, path: &Path, seconds: f64) -> String {
     let report = &result.report;
-    let seconds: f64 = report.seconds.iter().map(|(_, s)| s).sum();
     format!(
         "{}: {} quads, {} irregular vertices, scaled Jacobian {:.3} (worst {:.3}), {seconds:.2} s",
         path.display(),

@@ -1,11 +1,10 @@
 //! `quadloom stats`
 
-use super::{done, read};
+use super::{done, read, repaired};
 use crate::args::StatsArgs;
 use quadloom::RemeshError;
 use quadloom::extract::Deviation;
 use quadloom::inspect::{Inspection, distances_to, inspect};
-use quadloom::mesh::repair::{RepairOptions, repair};
 use std::process::ExitCode;
 
 /// Prints counts, topology and quality.
@@ -13,8 +12,8 @@ pub fn run(args: &StatsArgs) -> Result<ExitCode, RemeshError> {
     let soup = read(&args.input)?;
     let mut inspection = inspect(&soup);
     if let Some(reference) = &args.reference {
-        let surface = repair(&read(reference)?, &RepairOptions::default())?.mesh;
-        inspection.distance = Some(distances_to(&soup, &surface)?);
+        let surface = repaired(&read(reference)?, reference)?.mesh;
+        inspection.distance = Some(distances_to(&soup, &surface).map_err(|e| e.of_input(&args.input))?);
     }
     if args.json {
         println!("{:#}", serde_json::json!(inspection));
