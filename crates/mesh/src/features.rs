@@ -5,7 +5,7 @@
 //! a corner is closed; ids follow the smallest edge id. Source: [Bommes2012] §8.4, feature line alignment.
 
 use crate::DVec3;
-use crate::ids::{EdgeId, EdgeMap, HalfEdgeId, VertexId, VertexMap};
+use crate::ids::{EdgeId, EdgeMap, FaceId, HalfEdgeId, VertexId, VertexMap};
 use crate::mesh::TriMesh;
 use crate::metric::dihedral_angle;
 use crate::topology::boundary_loops;
@@ -70,6 +70,9 @@ pub struct FeatureOptions {
     /// Connected pieces of sharp edges with an open end are dropped if their median edge is fewer times sharper than the
     /// edges beside it. Default 0: none is.
     pub min_contrast: f64,
+    /// Pieces whose median edge lies between faces of at least this height over it are creases between facets, whatever
+    /// their contrast, file units. Default: none is.
+    pub facet_height: f64,
 }
 
 /// Distance of two corners of a boundary, relative to the reach, below which they are looked at together.
@@ -86,6 +89,7 @@ impl Default for FeatureOptions {
             min_loose_length: 0.0,
             min_piece_length: 0.0,
             min_contrast: 0.0,
+            facet_height: f64::INFINITY,
         }
     }
 }
@@ -306,26 +310,31 @@ impl FeatureGraph {
             attached[piece] |= ends.iter().any(|&v| on_other[v]);
         }
         let piece_of = |e: EdgeId| piece[self.chain_of[e]? as usize];
-        let mut contrast = vec![Vec::new(); count];
+        let (mut contrast, mut height) = (vec![Vec::new(); count], vec![Vec::new(); count]);
         for e in mesh.edges() {
             if let Some(piece) = piece_of(e) {
                 let [a, b] = mesh.ends(e).map(|v| mesh.position(v));
                 length[piece] += a.distance(b);
                 if loose[piece] && options.min_contrast > 0.0 {
                     contrast[piece].push(crease_contrast(mesh, e));
+                    height[piece].push(least_height(mesh, e));
                 }
             }
         }
-        // 2. Too short, or no sharper than what is around it.
-        let blurred = |values: &mut Vec<f64>| {
+        // 2. Too short, or no sharper than what is around it, unless that is facets.
+        let median = |values: &mut Vec<f64>| {
             let middle = values.len() / 2;
-            !values.is_empty() && *values.select_nth_unstable_by(middle, f64::total_cmp).1 < options.min_contrast
+            (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+        };
+        let mut blurred = |i: usize| {
+            median(&mut contrast[i]).is_some_and(|c| c < options.min_contrast)
+                && median(&mut height[i]).is_some_and(|h| h < options.facet_height)
         };
         let unwanted: Vec<bool> = (0..count)
             .map(|i| {
                 let short = length[i] < options.min_piece_length;
                 let short_and_loose = loose[i] && length[i] < options.min_loose_length;
-                (!attached[i] && (short || short_and_loose)) || (loose[i] && blurred(&mut contrast[i]))
+                (!attached[i] && (short || short_and_loose)) || (loose[i] && blurred(i))
             })
             .collect();
         mesh.edges().filter(|&e| piece_of(e).is_some_and(|piece| unwanted[piece])).collect()
@@ -402,6 +411,14 @@ fn crease_contrast(mesh: &TriMesh, e: EdgeId) -> f64 {
         None => least(h),
     };
     dihedral_angle(mesh, h) / around.max(1f64.to_radians())
+}
+
+/// The least height of an edge's faces over it.
+fn least_height(mesh: &TriMesh, e: EdgeId) -> f64 {
+    let [a, b] = mesh.ends(e).map(|v| mesh.position(v));
+    let height = |f: FaceId| 2.0 * mesh.vector_area(f).length() / a.distance(b).max(f64::MIN_POSITIVE);
+    let (i, j) = mesh.edge_faces(e);
+    height(i).min(j.map_or(f64::INFINITY, height))
 }
 
 /// Where a curve that leaves a vertex along an edge is after some length; its next vertex at least, its end at most.

@@ -134,6 +134,8 @@ pub struct Sector {
     pub first: HalfEdgeId,
     /// Half-edges from the vertex strictly inside the sector, counter-clockwise.
     pub inside: Vec<HalfEdgeId>,
+    /// Its angle, radians.
+    pub angle: f64,
     /// Quarter turns that the field gives it.
     pub quarters: i64,
 }
@@ -220,7 +222,7 @@ pub fn sectors(
     for v in mesh.vertices() {
         let fan: Vec<HalfEdgeId> = mesh.outgoing(v).collect();
         let Some(start) = fan.iter().position(|&h| features.is_feature(mesh.edge(h))) else { continue };
-        let mut sum = 0.0;
+        let (mut sum, mut wide) = (0.0, 0.0);
         let (mut inside, mut first) = (Vec::new(), fan[start]);
         for i in 0..fan.len() {
             let h = fan[(start + i) % fan.len()];
@@ -230,11 +232,12 @@ pub fn sectors(
                 inside.push(h);
             }
             sum += angle[h];
+            wide += angle[h];
             let next = mesh.edge(mesh.prev(h));
             if features.is_feature(next) || mesh.is_boundary_edge(next) || i + 1 == fan.len() {
                 let quarters = (sum / FRAC_PI_2).round() as i64;
-                sectors.push(Sector { vertex: v, first, inside: std::mem::take(&mut inside), quarters });
-                sum = 0.0;
+                sectors.push(Sector { vertex: v, first, inside: std::mem::take(&mut inside), angle: wide, quarters });
+                (sum, wide) = (0.0, 0.0);
                 first = fan[(start + i + 1) % fan.len()];
             }
         }

@@ -21,6 +21,10 @@ const LOOSE_CHAIN_EDGES: f64 = 5.0;
 /// 1 to 7, even where they are hundreds of edges long.
 const CREASE_CONTRAST: f64 = 12.0;
 
+/// Target edges of height over an edge from which the faces beside it are facets, and it a crease whatever its contrast:
+/// quads see the surface as flat there. Less: the strips of coarsely sampled bends are facets.
+const FACET_HEIGHT_REL: f64 = 2.0;
+
 /// Any piece of sharp edges shorter than this many target edges is dropped: no quad fits inside.
 const SHORT_PIECE_EDGES: f64 = 4.0;
 
@@ -70,6 +74,7 @@ pub fn find_features(mesh: &TriMesh, request: &FeatureRequest, size: f64) -> Fea
         min_loose_length: LOOSE_CHAIN_EDGES * size,
         min_piece_length: SHORT_PIECE_EDGES * size,
         min_contrast: CREASE_CONTRAST,
+        facet_height: FACET_HEIGHT_REL * size,
         boundary_reach: BOUNDARY_REACH_REL * size,
         ..FeatureOptions::default()
     };

@@ -30,7 +30,11 @@ const WORK_TRIANGLES_MAX: f64 = 250_000.0;
 const FIELD_EFFORT: usize = 80;
 
 /// Opposite singularities closer than this many quad edges are joined: nearer pairs collapse in the map.
-const CANCEL_DISTANCE_REL: f64 = 1.5;
+const CANCEL_DISTANCE_REL: f64 = 2.0;
+
+/// Rise of the field's energy at which they still are, radians squared: before the others have moved, after which most
+/// of it is gone.
+const NEAR_PAIR_COST: f64 = 3.0;
 
 /// Solves of the map that reaching a count may cost.
 const COUNT_SOLVES: usize = 4;
@@ -80,7 +84,9 @@ pub fn work_mesh(
     progress: &Progress,
 ) -> Result<WorkMesh, RemeshError> {
     let remeshed = isotropic(mesh, features, TargetLength::Uniform(edge), &remesh::RemeshOptions::default(), progress)?;
-    Ok(WorkMesh::new(remeshed.mesh, remeshed.features, options))
+    // Between two curves that meet there is an edge that the field can turn over.
+    let refined = separate_features(&remeshed.mesh, &remeshed.features).map_err(|e| no_result("work mesh", e))?;
+    Ok(WorkMesh::new(refined.mesh, refined.features, options))
 }
 
 /// Makes a work mesh of the input's own triangles, with a given direction per face, and its field.
@@ -138,6 +144,7 @@ pub fn cross_field(
     let options = FieldOptions {
         cancel_distance: CANCEL_DISTANCE_REL * quad_edge,
         singularity_cost: if singularities.only { UNWANTED_COST } else { 0.0 },
+        near_pair_cost: NEAR_PAIR_COST,
         ..FieldOptions::default()
     };
     progress.spend(FIELD_EFFORT * mesh.face_count());

@@ -36,6 +36,57 @@ fn shapes_of_any_topology_become_valid_quads_of_the_count_asked_for() {
     }
 }
 
+/// A polyhedron of four, six or more corners, in coordinates of the file.
+fn polyhedron(points: &[[f64; 3]], faces: &[[u32; 3]]) -> TriMesh {
+    TriMesh::new(points.iter().map(|&p| DVec3::from(p)).collect(), faces).expect("a polyhedron")
+}
+
+#[test]
+fn a_corner_of_a_cube_keeps_its_edges_where_they_meet_at_45_degrees() {
+    // The smoothest field gives the corners of 45° no quad or, next to them, a singular vertex.
+    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let corner = polyhedron(&points, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]);
+    for n in [100, 500, 1000, 2000] {
+        let report = made(&corner, &quads(n)).report;
+        assert_eq!((report.features.chains_kept, report.features.dropped_edges), (6, 0), "{n}: {:?}", report.warnings);
+        assert!(report.quality.scaled_jacobian_min > 0.3, "{n}: {}", report.quality.scaled_jacobian_min);
+    }
+}
+
+#[test]
+fn the_sharp_edges_of_a_polyhedron_are_kept_where_others_of_its_edges_are_blunt() {
+    // The ten sharp edges end at blunt ones that are nearly as sharp.
+    let points = [
+        [-0.8, -1.3, -0.1],
+        [0.4, 1.1, 0.0],
+        [-0.6, -0.8, 0.2],
+        [1.6, 0.3, -0.4],
+        [-1.0, 1.6, 0.1],
+        [-1.7, -0.1, -0.3],
+        [0.4, 0.8, -0.5],
+        [-0.3, -1.0, -0.1],
+        [-1.3, 0.0, 0.0],
+    ];
+    let faces = [
+        [5, 3, 0],
+        [6, 3, 5],
+        [5, 4, 6],
+        [8, 4, 5],
+        [8, 2, 4],
+        [5, 0, 8],
+        [8, 0, 2],
+        [1, 2, 3],
+        [4, 2, 1],
+        [3, 6, 1],
+        [1, 6, 4],
+        [3, 2, 7],
+        [2, 0, 7],
+        [7, 0, 3],
+    ];
+    let features = made(&polyhedron(&points, &faces), &quads(500)).report.features;
+    assert_eq!((features.edges, features.dropped_edges), (10, 0));
+}
+
 #[test]
 fn indices_of_the_quads_sum_to_the_euler_characteristic() {
     // Poincaré-Hopf: the sum of 4 - valence over a closed quad mesh is four times chi.
