@@ -3,12 +3,9 @@
 //! In: the input mesh and its features. Out: [`Reference`]. Holds: queries are exact up to rounding.
 //! Source: own.
 
-use quadloom_mesh::closest::{ClosestPoint, PolylineIndex, closest_weights};
+use quadloom_mesh::closest::{ClosestPoint, PolylineIndex};
 use quadloom_mesh::{DVec3, FaceId, FeatureGraph, TriMesh};
 use std::collections::{HashSet, VecDeque};
-
-/// Faces count as touched that are farther than the nearest one by at most this part of its size, for rounding.
-const TOUCHING_REL: f64 = 1e-9;
 
 /// Faces that a quad covers of which the mean normal is made, from the nearest one outwards: the noise of a scan is
 /// smaller than this many.
@@ -115,30 +112,6 @@ impl<'a> Reference<'a> {
         }
         sum
     }
-
-    /// Whether the surface faces like a quad at all of its corners: there at least one of the faces that the corner
-    /// touches does, whatever is nearest to the places between.
-    pub fn faces_along_at_corners(&self, corner: [DVec3; 4]) -> bool {
-        let normal = (corner[2] - corner[0]).cross(corner[3] - corner[1]);
-        let along = |&f: &FaceId| self.mesh.vector_area(f).dot(normal) > 0.0;
-        corner.iter().all(|&p| self.faces_at(p).iter().any(along))
-    }
-
-    /// The face nearest to a point, and those around it that are as near.
-    fn faces_at(&self, p: DVec3) -> Vec<FaceId> {
-        let nearest = self.closest.query(p);
-        let [a, b, c] = self.mesh.face_vertices(nearest.point.face).map(|v| self.mesh.position(v));
-        let size = a.distance(b).max(b.distance(c)).max(nearest.distance);
-        let reach = nearest.distance + TOUCHING_REL * size;
-        let distance = |f: FaceId| {
-            let corner = self.mesh.face_vertices(f).map(|v| self.mesh.position(v));
-            let [a, b, c] = closest_weights(&corner, p);
-            (corner[0] * a + corner[1] * b + corner[2] * c).distance(p)
-        };
-        let vertices = self.mesh.face_vertices(nearest.point.face);
-        let around = vertices.iter().flat_map(|&v| self.mesh.outgoing(v)).map(|h| self.mesh.face(h));
-        around.filter(|&f| distance(f) <= reach).collect()
-    }
 }
 
 /// The centre of a quad, and half way from there to its corners.
@@ -152,9 +125,9 @@ fn five_points(corner: [DVec3; 4]) -> [DVec3; 5] {
 mod tests {
     use super::*;
 
-    /// A quad on the upper side of a thin bent sheet sags through the lower one.
+    /// A quad on the upper side of a thin bent sheet sags through the lower one: that is not taken for granted.
     #[test]
-    fn corners_tell_the_side_of_a_thin_sheet() {
+    fn a_quad_through_a_thin_sheet_is_not_along_it() {
         let sheet = quadloom_mesh::shapes::cube(1.0, 8);
         let bend = |p: &DVec3| DVec3::new(p.x, p.y, 0.001 * p.z - (p.x - 0.5).powi(2));
         let positions = sheet.positions().values().iter().map(bend).collect();
@@ -165,9 +138,6 @@ mod tests {
         let upper = [at(0.25, 0.25), at(0.75, 0.25), at(0.75, 0.75), at(0.25, 0.75)];
         let centre = upper.iter().sum::<DVec3>() / 4.0;
         assert_ne!(reference.facing(upper, reference.closest.query(centre).point.face), Facing::Along);
-        assert!(reference.faces_along_at_corners(upper));
-        let [a, b, c, d] = upper;
-        assert!(!reference.faces_along_at_corners([d, c, b, a]));
     }
 
     /// A plane with a fold that is smaller than the quad above it, and the same quad turned over.

@@ -142,17 +142,21 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
             given_up = true;
             continue;
         }
+        // Folds that were closed up are no reason to give up sharp edges.
+        if !rung.sharp && any_sharp && reserve.as_ref().is_some_and(Passed::is_clear_but_for_folds) {
+            continue;
+        }
         tried_without |= first_without;
         let features = if rung.sharp { &found } else { &named };
         match run.attempt(rung, features) {
             Ok(mut passed) => {
                 passed.attempt = attempt;
-                if passed.is_clear() {
-                    return Ok(run.accept(passed, &found));
-                }
+                let Some(doubt) = passed.doubt() else { return Ok(run.accept(passed, &found)) };
                 // Another attempt may be clear.
-                run.retried(attempt, &passed.doubt());
-                reserve.get_or_insert(passed);
+                run.warn(WarningCode::Retried, format!("another size was tried: {}", doubt.message));
+                if reserve.as_ref().is_none_or(|r| passed.clarity() > r.clarity()) {
+                    reserve = Some(passed);
+                }
             }
             Err(e @ (RemeshError::Cancelled(_) | RemeshError::Mismatch { .. })) => return Err(e),
             Err(e) => {
@@ -188,15 +192,22 @@ struct Passed {
     warnings: Vec<Warning>,
 }
 
+/// Warnings of an attempt that may be clear of them at other sizes, the worse one first.
+const DOUBTS: [WarningCode; 2] = [WarningCode::FacingUnclear, WarningCode::FoldsSurvived];
+
 impl Passed {
-    /// Whether all quads clearly face along the surface.
-    fn is_clear(&self) -> bool {
-        self.warnings.iter().all(|w| w.code != WarningCode::FacingUnclear)
+    /// The worst doubt about the quads.
+    fn doubt(&self) -> Option<&Warning> {
+        DOUBTS.iter().find_map(|&code| self.warnings.iter().find(|w| w.code == code))
     }
 
-    fn doubt(&self) -> String {
-        let unclear = self.warnings.iter().find(|w| w.code == WarningCode::FacingUnclear);
-        unclear.map_or_else(String::new, |w| w.message.clone())
+    /// Place of the worst doubt in [`DOUBTS`]: of two results, the one with more is better.
+    fn clarity(&self) -> usize {
+        self.doubt().and_then(|w| DOUBTS.iter().position(|&code| code == w.code)).unwrap_or(DOUBTS.len())
+    }
+
+    fn is_clear_but_for_folds(&self) -> bool {
+        self.doubt().is_some_and(|w| w.code == WarningCode::FoldsSurvived)
     }
 }
 

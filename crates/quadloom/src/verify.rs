@@ -4,8 +4,10 @@
 //! the stages say of themselves. That quads are four different vertices, manifold and oriented is what
 //! [`QuadMesh`]'s constructor has checked.
 
+use crate::features::{FeatureRequest, find_features};
+use crate::options::RemeshOptions;
 use quadloom_extract::{Facing, Reference, scaled_jacobian, split_at_centres};
-use quadloom_mesh::{ClosestPoint, DVec3, FaceId, FeatureGraph, QuadMesh, Summary, TriMesh, VertexId};
+use quadloom_mesh::{ClosestPoint, DVec3, FaceId, QuadMesh, Summary, TriMesh, VertexId};
 use rayon::prelude::*;
 
 /// What was found.
@@ -19,9 +21,9 @@ pub struct Verification {
     pub inverted: Vec<FaceId>,
     /// Quads that face against the surface they cover ([`Reference::faces_against`]), ascending.
     pub against: Vec<FaceId>,
-    /// Quads of which that is so at the centre but not all around it, ascending; they do not keep the quads from passing.
-    /// On a rough surface, the face nearest to the centre is often not one that the quad stands for; beside a thin sheet,
-    /// neither is what surrounds it, so that there the corners are asked too.
+    /// Quads of which that is so at the centre but not all around it, ascending; they do not keep the quads from passing,
+    /// as the face nearest to the centre may not be one that the quad stands for: on a rough surface or beside a thin
+    /// sheet.
     pub unclear: Vec<FaceId>,
 }
 
@@ -65,19 +67,14 @@ pub fn verify(quads: &QuadMesh, reference: &Reference) -> Verification {
     let nearest = |f: FaceId| reference.closest.query(corners(f).iter().sum::<DVec3>() / 4.0).point.face;
     let facing: Vec<(FaceId, Facing)> =
         all.into_par_iter().map(|f| (f, reference.facing(corners(f), nearest(f)))).collect();
-    let those = |wanted: &dyn Fn(FaceId, Facing) -> bool| -> Vec<FaceId> {
-        facing.iter().filter(|q| wanted(q.0, q.1)).map(|q| q.0).collect()
-    };
+    let those =
+        |wanted: fn(Facing) -> bool| -> Vec<FaceId> { facing.iter().filter(|q| wanted(q.1)).map(|q| q.0).collect() };
     Verification {
         expected: Summary::of(reference.mesh),
         found: Summary::of(quads),
         inverted: quads.faces().filter(|&f| scaled_jacobian(corners(f)) < LEAST_JACOBIAN).collect(),
-        against: those(&|_, facing| matches!(facing, Facing::Against(_))),
-        unclear: those(&|f, facing| match facing {
-            Facing::Wrinkled => true,
-            Facing::Unclear => !reference.faces_along_at_corners(corners(f)),
-            Facing::Along | Facing::Against(_) => false,
-        }),
+        against: those(|facing| matches!(facing, Facing::Against(_))),
+        unclear: those(|facing| matches!(facing, Facing::Wrinkled | Facing::Unclear)),
     }
 }
 
@@ -105,9 +102,14 @@ pub fn lost_part(quads: &QuadMesh, surface: &TriMesh) -> Option<(VertexId, f64, 
     lost.into_iter().reduce(|a, b| if b.2 > a.2 { b } else { a })
 }
 
-/// [`verify`] against a surface without features.
+/// [`verify`] against a surface with the sharp edges that a run at defaults would keep for quads of this size.
 pub fn verify_against(quads: &QuadMesh, surface: &TriMesh) -> Verification {
-    verify(quads, &Reference::new(surface, &FeatureGraph::none(surface)))
+    let length = |e| quads.ends(e).map(|v| quads.position(v));
+    let total: f64 = quads.edges().map(length).map(|[a, b]| a.distance(b)).sum();
+    let sharp_angle = RemeshOptions::default().sharp_angle;
+    let wanted = FeatureRequest { sharp_angle, ..FeatureRequest::default() };
+    let features = find_features(surface, &wanted, total / quads.edge_count().max(1) as f64);
+    verify(quads, &Reference::new(surface, &features.graph))
 }
 
 #[cfg(test)]
