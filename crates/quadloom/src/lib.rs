@@ -25,6 +25,7 @@ pub mod field;
 pub mod guides;
 pub mod input;
 pub mod inspect;
+mod ladder;
 pub mod measure;
 pub mod memory;
 pub mod options;

@@ -1,4 +1,4 @@
-//! One connected surface becomes quads: the stages in order, and the ladder of attempts.
+//! One connected surface becomes quads: the stages in order, attempt after attempt.
 //!
 //! In: a connected triangle mesh and what is asked of it. Out: [`Part`], verified.
 //! Holds: quads that are returned have passed [`verify`]. Not: the count, which integers may miss.
@@ -6,6 +6,7 @@
 use crate::calm::calm;
 use crate::error::{RemeshError, Warning, WarningCode};
 use crate::features::{FeatureRequest, Features, find_features};
+use crate::ladder::{Climb, Effort, LADDER, Rung};
 use crate::options::{Fallback, RemeshOptions};
 use crate::report::Seconds;
 use crate::singularities::{SingularityRequest, impossible, on_work_mesh, pinned};
@@ -87,35 +88,6 @@ pub struct Solution {
     pub relocation: Option<RelocationReport>,
 }
 
-/// Sizes of one attempt, relative to the first one.
-struct Attempt {
-    work_edge: f64,
-    quads: f64,
-    /// Whether sharp edges that nobody named are kept.
-    sharp: bool,
-}
-
-/// The ladder: other work meshes move the singularities and the integers, slightly other counts stay within the
-/// usual tolerance; then sharp edges that were only found, not named, are given up; only the last rung leaves the
-/// tolerance.
-const LADDER: [Attempt; 5] = [
-    Attempt { work_edge: 1.0, quads: 1.0, sharp: true },
-    Attempt { work_edge: 0.85, quads: 1.03, sharp: true },
-    Attempt { work_edge: 1.0, quads: 1.0, sharp: false },
-    Attempt { work_edge: 0.85, quads: 0.97, sharp: false },
-    Attempt { work_edge: 0.7, quads: 1.15, sharp: false },
-];
-
-/// Attempts that a component is worth which is one of several: models of a hundred loose pieces would else take minutes,
-/// and split triangles of a few quads have hardly more irregular vertices than the best.
-pub fn attempts_of_piece(quads: usize) -> usize {
-    match quads {
-        0..60 => 1,
-        60..400 => 2,
-        _ => usize::MAX,
-    }
-}
-
 /// Work meshes for quads of several sizes are finer by this factor, so that the smallest quads have triangles too.
 const ADAPTIVE_WORK_EDGE: f64 = 0.6;
 
@@ -127,26 +99,12 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
     let mut run = Run::new(request, options, &progress);
     // 1. The ladder, with all features, then with those that were named.
     let [found, named] = run.features();
-    let any_sharp = found.graph.edge_count() > named.graph.edge_count();
+    run.climb = Climb::new(found.graph.edge_count() > named.graph.edge_count(), run.most_effort());
     let mut failure = no_result("remesh", "no attempt was made");
-    let most_effort = run.most_effort();
-    let (mut tried_without, mut given_up) = (false, false);
-    let mut reserve: Option<Passed> = None;
     for (attempt, rung) in LADDER.iter().enumerate().take(request.attempts) {
-        if !rung.sharp && !any_sharp && rung.same_sizes(&LADDER[0]) || run.is_hopeless(rung.sharp) {
+        if !run.climb.begins(rung, run.progress.spent()) {
             continue;
         }
-        // Other features are worth a try even then: often it is one sharp edge that has no map.
-        let first_without = !rung.sharp && any_sharp && !tried_without;
-        if run.progress.spent() > if first_without { 2 * most_effort } else { most_effort } {
-            given_up = true;
-            continue;
-        }
-        // Folds that were closed up are no reason to give up sharp edges.
-        if !rung.sharp && any_sharp && reserve.as_ref().is_some_and(Passed::is_clear_but_for_folds) {
-            continue;
-        }
-        tried_without |= first_without;
         let features = if rung.sharp { &found } else { &named };
         match run.attempt(rung, features) {
             Ok(mut passed) => {
@@ -154,9 +112,7 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
                 let Some(doubt) = passed.doubt() else { return Ok(run.accept(passed, &found)) };
                 // Another attempt may be clear.
                 run.warn(WarningCode::Retried, format!("another size was tried: {}", doubt.message));
-                if reserve.as_ref().is_none_or(|r| passed.clarity() > r.clarity()) {
-                    reserve = Some(passed);
-                }
+                run.climb.keep(passed);
             }
             Err(e @ (RemeshError::Cancelled(_) | RemeshError::Mismatch { .. })) => return Err(e),
             Err(e) => {
@@ -165,10 +121,10 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
             }
         }
     }
-    if given_up {
+    if run.climb.cut_short {
         run.warn(WarningCode::Retried, "further attempts would take too long and were not made".into());
     }
-    if let Some(passed) = reserve {
+    if let Some(passed) = run.climb.reserve.take() {
         return Ok(run.accept(passed, &found));
     }
     // 2. The last resort.
@@ -182,7 +138,8 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
 }
 
 /// Quads of one attempt that passed verification.
-struct Passed {
+#[derive(Debug)]
+pub(crate) struct Passed {
     quads: QuadMesh,
     solution: Solution,
     distances: Option<Distances>,
@@ -202,18 +159,13 @@ impl Passed {
     }
 
     /// Place of the worst doubt in [`DOUBTS`]: of two results, the one with more is better.
-    fn clarity(&self) -> usize {
+    pub fn clarity(&self) -> usize {
         self.doubt().and_then(|w| DOUBTS.iter().position(|&code| code == w.code)).unwrap_or(DOUBTS.len())
     }
 
-    fn is_clear_but_for_folds(&self) -> bool {
+    /// Whether folds that were closed up are the only doubt.
+    pub fn is_clear_but_for_folds(&self) -> bool {
         self.doubt().is_some_and(|w| w.code == WarningCode::FoldsSurvived)
-    }
-}
-
-impl Attempt {
-    fn same_sizes(&self, other: &Self) -> bool {
-        self.work_edge == other.work_edge && self.quads == other.quads
     }
 }
 
@@ -226,18 +178,8 @@ struct Run<'a> {
     solves: usize,
     warnings: Vec<Warning>,
     seconds: Seconds,
-    /// Whether a map that keeps the found sharp edges, and one that does not, was inverted in many places.
-    hopeless: [bool; 2],
+    climb: Climb,
 }
-
-/// Share of inverted triangles in a map beyond which other sizes of about the same will not help either.
-const HOPELESS_SHARE: f64 = 0.03;
-
-/// Effort that any surface may take before its triangles are split, about fifteen seconds, and as much more per quad.
-///
-/// Attempts that succeed take up to a third of that, but for a few; with less, those few are split too.
-const LEAST_EFFORT: u64 = 28_000_000;
-const EFFORT_PER_QUAD: u64 = 500;
 
 /// Interior singular vertices per quad beyond which no map is looked for.
 ///
@@ -256,18 +198,13 @@ impl<'a> Run<'a> {
             solves: 0,
             warnings: Vec::new(),
             seconds: Seconds::default(),
-            hopeless: [false; 2],
+            climb: Climb::new(false, 0),
         }
     }
 
     /// Effort after which neither another attempt nor another size is begun.
     fn most_effort(&self) -> u64 {
-        LEAST_EFFORT + EFFORT_PER_QUAD * self.request.quads as u64
-    }
-
-    /// Whether attempts with these features are not worth their time any more.
-    fn is_hopeless(&self, sharp: bool) -> bool {
-        self.hopeless[usize::from(sharp)]
+        Effort::OF_ATTEMPTS.most(self.request.quads)
     }
 
     fn warn(&mut self, code: WarningCode, message: String) {
@@ -312,7 +249,7 @@ impl<'a> Run<'a> {
     }
 
     /// One way through the stages, verified.
-    fn attempt(&mut self, rung: &Attempt, features: &Features) -> Result<Passed, RemeshError> {
+    fn attempt(&mut self, rung: &Rung, features: &Features) -> Result<Passed, RemeshError> {
         let quads = rung.quads * self.request.quads as f64;
         let edge = (self.area / quads).sqrt();
         let (work, field, energy) = match &self.request.field {
@@ -333,7 +270,7 @@ impl<'a> Run<'a> {
         let map = self.map(&work, &field, quads, edge, &ties)?;
         let inverted = map.parametrization.inverted.len();
         // The quads around the folds may still close up; if they do not, other sizes are not worth their time.
-        self.hopeless[usize::from(rung.sharp)] = inverted as f64 > HOPELESS_SHARE * work.mesh.face_count() as f64;
+        self.climb.folded(rung, inverted, work.mesh.face_count());
         self.progress.report("extraction", 0.0);
         let integer_grid = &map.parametrization.map;
         let extraction = self.seconds.time("extraction", || extract_quads(&work, integer_grid, self.progress))?;
@@ -413,13 +350,7 @@ impl<'a> Run<'a> {
     }
 
     /// Whether there are quads enough for the singular vertices, and any that have just those.
-    fn check_room(
-        &mut self,
-        rung: &Attempt,
-        work: &WorkMesh,
-        field: &CrossField,
-        quads: f64,
-    ) -> Result<(), RemeshError> {
+    fn check_room(&mut self, rung: &Rung, work: &WorkMesh, field: &CrossField, quads: f64) -> Result<(), RemeshError> {
         let singular = field.singularities(&work.mesh, &Transport::of(&work.mesh));
         let count = singular.iter().filter(|s| !work.mesh.is_boundary_vertex(s.0)).count();
         let why = if count as f64 > MOST_SINGULAR_REL * quads {
@@ -429,7 +360,7 @@ impl<'a> Run<'a> {
         } else {
             return Ok(());
         };
-        self.hopeless[usize::from(rung.sharp)] = true;
+        self.climb.has_no_room(rung);
         Err(no_result("cross field", why))
     }
 

@@ -10,12 +10,13 @@ use crate::error::{RemeshError, Warning, WarningCode};
 use crate::features::FeatureRequest;
 use crate::input::check_extent;
 use crate::inspect::{as_read, topology_warning};
+use crate::ladder::attempts_of_piece;
 use crate::measure::{
     distances, feature_report, field_summary, kept_chains, map_summary, relocation_summary, surface_report,
 };
 use crate::memory;
 use crate::options::{AUTO_QUADS_MAX, AUTO_QUADS_MIN, Elements, Fallback, MOST_QUADS, RemeshOptions, Target};
-use crate::part::{Part, PartRequest, attempts_of_piece, remesh_part};
+use crate::part::{Part, PartRequest, remesh_part};
 use crate::report::{ComponentReport, CountReport, REPORT_VERSION, Report, Seconds, Units};
 use crate::singularities::{SingularityRequest, check_list, singularity_summary, singularity_warnings};
 use crate::sizes::SizeRequest;

@@ -19,6 +19,7 @@
 
 use crate::count::{CountGoal, Tried, fit_count};
 use crate::error::RemeshError;
+use crate::ladder::Effort;
 use crate::pairing::{Pairing, pair_corners, pair_triangles};
 use crate::stages::no_result;
 use crate::verify::{Verification, verify};
@@ -36,11 +37,6 @@ pub const QUADS_PER_TRIANGLE: usize = 3;
 /// Rounds in which the work mesh is made finer where quads fail: the third has edges of an eighth, the last of a
 /// thousandth, for steps and ditches of solids that are so much smaller than the quads asked for.
 const REFINEMENTS: usize = 10;
-
-/// Effort that all rounds together may take before another one is begun, about ten seconds, and as much more per quad:
-/// surfaces that fail everywhere would else be made finer and finer before their own triangles are tried.
-const LEAST_EFFORT: u64 = 10_000_000;
-const EFFORT_PER_QUAD: u64 = 500;
 
 /// Factor on the work mesh's edges around quads that fail.
 const REFINED_REL: f64 = 0.5;
@@ -73,7 +69,7 @@ pub fn split_surface(
     let fitted = fitted.ok_or_else(|| no_result("split", "there is no work mesh"))?;
     // 2. Finer where quads fail.
     let (mut paired, edge, mut relative) = (fitted.solution, fitted.size, uniform);
-    let most_effort = progress.spent() + LEAST_EFFORT + EFFORT_PER_QUAD * goal.quads as u64;
+    let most_effort = progress.spent() + Effort::OF_SPLITS.most(goal.quads as usize);
     for round in 0..=REFINEMENTS {
         if round > 0 && progress.spent() > most_effort {
             break;
