@@ -178,6 +178,7 @@ struct Run<'a> {
     solves: usize,
     warnings: Vec<Warning>,
     seconds: Seconds,
+    /// What has become of the attempts.
     climb: Climb,
 }
 

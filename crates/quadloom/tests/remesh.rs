@@ -36,7 +36,7 @@ fn shapes_of_any_topology_become_valid_quads_of_the_count_asked_for() {
     }
 }
 
-/// A polyhedron of four, six or more corners, in coordinates of the file.
+/// A closed surface of these points and triangles.
 fn polyhedron(points: &[[f64; 3]], faces: &[[u32; 3]]) -> TriMesh {
     TriMesh::new(points.iter().map(|&p| DVec3::from(p)).collect(), faces).expect("a polyhedron")
 }

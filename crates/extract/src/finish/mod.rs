@@ -225,7 +225,7 @@ pub fn finish(
         report.released += state.release_inverted(rings);
         report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
     }
-    // 9. So is the surface itself.
+    // 10. So is the surface itself.
     state.distrust_corners();
     if state.bad_quads() > 0 {
         report.lifted = improve_beside(&mut state, LEAST_QUALITY, options.rounds, progress)?;
