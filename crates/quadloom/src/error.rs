@@ -184,6 +184,8 @@ pub enum WarningCode {
     CountMissed,
     /// No count was asked for, and the one aimed at was missed by more than the tolerance.
     DefaultCountMissed,
+    /// Vertices left their feature, because a quad would be inverted otherwise.
+    FeaturesLeft,
     /// A drawn curve is far from the surface.
     GuideFar,
     /// Feature edges asked for are not kept.
@@ -237,6 +239,7 @@ impl WarningCode {
             | Self::TrianglesSplit => 0,
             Self::SharpEdgesDropped
             | Self::FeatureLost
+            | Self::FeaturesLeft
             | Self::DefaultCountMissed
             | Self::TopologyRepaired
             | Self::GuideFar

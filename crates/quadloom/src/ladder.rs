@@ -99,8 +99,8 @@ impl Climb {
             self.cut_short = true;
             return false;
         }
-        // Folds that were closed up are no reason to give up sharp edges.
-        if gives_up && self.reserve.as_ref().is_some_and(Passed::is_clear_but_for_folds) {
+        // Folds that were closed up and single vertices beside their feature are no reason to give up sharp edges.
+        if gives_up && self.reserve.as_ref().is_some_and(Passed::faces_clearly) {
             return false;
         }
         self.gave_up_sharp |= gives_up;

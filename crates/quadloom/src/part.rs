@@ -18,7 +18,7 @@ use crate::stages::{
 };
 use crate::ties::{TieReport, TieRequest, joined_ties, ties_on};
 use crate::verify::{lost_part, verify};
-use quadloom_extract::{Distances, Extraction, FinishError, FinishOptions, Reference, finish};
+use quadloom_extract::{Distances, Extraction, FinishError, FinishOptions, FinishReport, Finished, Reference, finish};
 use quadloom_field::{CrossField, Transport};
 use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, QuadMesh, TriMesh};
 use quadloom_param::{RelocationReport, Tie};
@@ -150,7 +150,7 @@ pub(crate) struct Passed {
 }
 
 /// Warnings of an attempt that may be clear of them at other sizes, the worse one first.
-const DOUBTS: [WarningCode; 2] = [WarningCode::FacingUnclear, WarningCode::FoldsSurvived];
+const DOUBTS: [WarningCode; 3] = [WarningCode::FacingUnclear, WarningCode::FoldsSurvived, WarningCode::FeaturesLeft];
 
 impl Passed {
     /// The worst doubt about the quads.
@@ -163,9 +163,9 @@ impl Passed {
         self.doubt().and_then(|w| DOUBTS.iter().position(|&code| code == w.code)).unwrap_or(DOUBTS.len())
     }
 
-    /// Whether folds that were closed up are the only doubt.
-    pub fn is_clear_but_for_folds(&self) -> bool {
-        self.doubt().is_some_and(|w| w.code == WarningCode::FoldsSurvived)
+    /// Whether all quads face along the surface, whatever became of single vertices.
+    pub fn faces_clearly(&self) -> bool {
+        self.warnings.iter().all(|w| w.code != WarningCode::FacingUnclear)
     }
 }
 
@@ -281,12 +281,14 @@ impl<'a> Run<'a> {
             _ => Some(pinned(&extraction, &work, self.request, edge).map_err(|e| no_result("finish", e))?),
         };
         let raw = pinned.as_ref().unwrap_or(&extraction);
-        let quads = self.seconds.time("finish", || finish_quads(raw, &reference, self.options, self.progress))?;
+        let finished = self.seconds.time("finish", || finish_quads(raw, &reference, self.options, self.progress))?;
+        let quads = finished.mesh;
         let ties = joined_ties(&work, &extraction, self.request, &ties);
         let solution = Solution { work, field, energy, map, extraction, ties, relocation };
         self.check_for_lost_parts(&solution, &quads)?;
         let (distances, unclear) = self.checked(&quads, &reference)?;
-        let warnings = unclear.into_iter().chain(fold_warning(&solution)).collect();
+        let warnings =
+            [unclear, left_warning(&finished.report), fold_warning(&solution)].into_iter().flatten().collect();
         Ok(Passed { quads, solution, distances, features: features.clone(), attempt: 0, warnings })
     }
 
@@ -476,14 +478,24 @@ fn finish_quads(
     reference: &Reference,
     options: &RemeshOptions,
     progress: &Progress,
-) -> Result<QuadMesh, RemeshError> {
+) -> Result<Finished, RemeshError> {
     progress.report("finish", 0.0);
     let finishing = FinishOptions { crease_angle: options.sharp_angle, ..FinishOptions::default() };
-    match finish(extraction, reference, &finishing, progress) {
-        Ok(finished) => Ok(finished.mesh),
-        Err(FinishError::Cancelled(c)) => Err(c.into()),
-        Err(other) => Err(no_result("finish", other)),
-    }
+    finish(extraction, reference, &finishing, progress).map_err(|e| match e {
+        FinishError::Cancelled(c) => c.into(),
+        other => no_result("finish", other),
+    })
+}
+
+/// Distance from its feature, relative to the mean edge, from which a vertex that left it is worth a word and another
+/// attempt: a fifth of a quad is seen in a picture.
+const FAR_LEFT_REL: f64 = 0.2;
+
+fn left_warning(report: &FinishReport) -> Option<Warning> {
+    let FinishReport { released, released_farthest: far, .. } = *report;
+    let message =
+        format!("{released} vertices had to leave their feature, by up to {far:.1} edges, to keep quads valid");
+    (far > FAR_LEFT_REL).then(|| Warning::new(WarningCode::FeaturesLeft, message))
 }
 
 fn fold_warning(solution: &Solution) -> Option<Warning> {

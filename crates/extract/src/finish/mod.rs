@@ -8,6 +8,7 @@
 
 mod creases;
 mod joints;
+mod release;
 mod shape;
 mod state;
 mod sweep;
@@ -20,6 +21,7 @@ use crate::reference::Reference;
 use creases::{CreaseError, follow_creases};
 use joints::settle_on_joints;
 use quadloom_mesh::{Cancelled, MeshError, Progress, QuadMesh};
+use release::{release_around, release_single};
 use serde::{Deserialize, Serialize};
 use state::State;
 use sweep::{Aim, sweep};
@@ -110,6 +112,8 @@ pub struct FinishReport {
     pub creased: usize,
     /// Vertices that left their corner or curve because a quad stayed inverted otherwise.
     pub released: usize,
+    /// Largest distance of those from where they belong, relative to the mean edge.
+    pub released_farthest: f64,
     /// Moves of vertices to places beside the surface, because a quad stayed inverted otherwise.
     pub lifted: usize,
     /// Quads inverted or facing against the surface, as they came.
@@ -217,12 +221,16 @@ pub fn finish(
         report.pinned += pinned;
         report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
     }
-    // 9. A feature is given up where it alone keeps a quad inverted.
+    // 9. A feature is given up where it alone keeps a quad inverted: by single vertices first, then around the quad.
+    if options.release && state.bad_quads() > 0 {
+        report.released += release_single(&mut state);
+        report.single_moves += improve_worst(&mut state, LEAST_QUALITY, options.rounds, progress)?;
+    }
     for rings in 0..RELEASE_RINGS {
         if !options.release || state.bad_quads() == 0 {
             break;
         }
-        report.released += state.release_inverted(rings);
+        report.released += release_around(&mut state, rings);
         report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
     }
     // 10. So is the surface itself.
@@ -230,6 +238,7 @@ pub fn finish(
     if state.bad_quads() > 0 {
         report.lifted = improve_beside(&mut state, LEAST_QUALITY, options.rounds, progress)?;
     }
+    report.released_farthest = state.farthest_left() / edge.max(f64::MIN_POSITIVE);
     report.bad_after = state.bad_quads();
     let mesh = quads.mesh.with_positions(state.position)?;
     progress.report("finish", 1.0);

@@ -40,6 +40,8 @@ pub(crate) struct State<'a> {
     along: VertexMap<[Option<VertexId>; 2]>,
     /// Vertices that stay where they are.
     pub pinned: VertexMap<bool>,
+    /// Vertices that left their corner or curve, and where they were.
+    pub left: Vec<(VertexId, Move)>,
     /// Quality of each quad: its scaled Jacobian; negative where it faces against the surface.
     pub quality: Vec<f64>,
     /// Whether quads face along the surface where its normals at their corners say so clearly, or that at their centre.
@@ -55,7 +57,8 @@ impl<'a> State<'a> {
         let position = quads.positions().clone();
         let tie = VertexMap::from_fn(quads.vertex_count(), |v| wanted[v].off_surface());
         let pinned = VertexMap::filled(quads.vertex_count(), false);
-        let mut state = Self { quads, reference, position, tie, along, pinned, quality: Vec::new(), trusting: true };
+        let (left, quality) = (Vec::new(), Vec::new());
+        let mut state = Self { quads, reference, position, tie, along, pinned, left, quality, trusting: true };
         state.quality = (0..quads.face_count()).into_par_iter().map(|f| state.measure(FaceId::new(f))).collect();
         let bad = state.bad_quads();
         let moves: Vec<Option<Move>> =
@@ -239,7 +242,7 @@ impl<'a> State<'a> {
     }
 
     /// Quads at some vertices, ascending.
-    fn faces_around(&self, vertices: impl Iterator<Item = VertexId>) -> Vec<FaceId> {
+    pub fn faces_around(&self, vertices: impl Iterator<Item = VertexId>) -> Vec<FaceId> {
         let mut at = vec![false; self.quads.face_count()];
         for v in vertices {
             self.quads.outgoing(v).for_each(|h| at[self.quads.face(h).index()] = true);
@@ -247,26 +250,27 @@ impl<'a> State<'a> {
         self.quads.faces().filter(|f| at[f.index()]).collect()
     }
 
-    /// Lets corners and curve vertices at inverted quads, and at `rings` rings of quads around them, leave their
-    /// curves; the surface's boundary stays. Returns how many did.
-    pub fn release_inverted(&mut self, rings: usize) -> usize {
-        let mut around: Vec<FaceId> = self.quads.faces().filter(|&f| self.is_bad(f)).collect();
-        for _ in 0..rings {
-            around = self.faces_around(around.iter().flat_map(|&f| self.quads.face_vertices(f)));
+    /// Lets a vertex leave its corner or curve for a place on the surface; the quality of its quads is not updated.
+    pub fn release(&mut self, v: VertexId, to: Move) {
+        self.left.push((v, self.place(v)));
+        self.put(v, to);
+    }
+
+    /// Largest distance of a vertex that left its corner or curve from it, file units.
+    pub fn farthest_left(&self) -> f64 {
+        let distance = |&(v, from): &(VertexId, Move)| match from.tie {
+            Tie::Curve { chain, .. } => self.reference.curves.query(chain, self.position[v]).distance,
+            _ => self.position[v].distance(from.position),
+        };
+        self.left.iter().map(distance).fold(0.0, f64::max)
+    }
+
+    /// Measures the quads at a vertex again.
+    pub fn measure_around(&mut self, v: VertexId) {
+        let faces: Vec<FaceId> = self.quads.outgoing(v).map(|h| self.quads.face(h)).collect();
+        for f in faces {
+            self.quality[f.index()] = self.measure(f);
         }
-        let mut released = 0;
-        for v in around.iter().flat_map(|&f| self.quads.face_vertices(f)) {
-            if matches!(self.tie[v], Tie::Surface { .. }) || self.quads.is_boundary_vertex(v) {
-                released += usize::from(std::mem::take(&mut self.pinned[v]));
-                continue;
-            }
-            let normal = self.vertex_normal(v);
-            if let Some(there) = project(self.reference, self.position[v], normal, None) {
-                self.put(v, there);
-                released += 1;
-            }
-        }
-        released
     }
 
     /// Whether a quad counts as inverted: with a margin, so that writing coordinates as text does not turn it over.
