@@ -1,7 +1,7 @@
 //! Time and energy of the ways to round, on a model at several resolutions: cross field and integer-grid map.
 //!
-//! `cargo run --release -p quadloom --example solver_table -- FILE [TRIANGLES,...]` prints JSON; `cargo xtask eval
-//! solver` makes the table of it. Energies have their constants: 0 is a perfect field or map.
+//! `cargo run --release -p quadloom --example solver_table -- FILE [TRIANGLES,... [METHOD,...]]` prints JSON; `cargo xtask
+//! eval solver` makes the tables of it. Energies have their constants: 0 is a perfect field or map.
 //! Source: the set-up of tables 5.1 and 5.2 of [Bommes2012].
 #![allow(clippy::print_stdout, reason = "an example")]
 
@@ -27,14 +27,16 @@ const EXACT_LIMIT: Duration = Duration::from_secs(60);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut words = std::env::args().skip(1);
-    let Ok(source) = words.next().ok_or("FILE [TRIANGLES,...]")?.parse::<Source>();
+    let Ok(source) = words.next().ok_or("FILE [TRIANGLES,... [METHOD,...]]")?.parse::<Source>();
     let sizes = words.next().unwrap_or_else(|| "200,1000,2000,20000".into());
+    let names = words.next().unwrap_or_else(|| "direct,greedy,greedy with ladder,naive,exact".into());
+    let methods: Vec<Method> = methods().into_iter().filter(|m| names.split(',').any(|n| n == m.0)).collect();
     let surface = repair(&load(&source)?, &RepairOptions::default())?.mesh;
     let mut rows = Vec::new();
     for size in sizes.split(',') {
         let work = coarsened(&surface, size.parse()?)?;
-        rows.extend(field_rows(&work)?);
-        rows.extend(map_rows(&work)?);
+        rows.extend(field_rows(&work, &methods)?);
+        rows.extend(map_rows(&work, &methods)?);
     }
     println!("{:#}", Value::from(rows));
     Ok(())
@@ -48,28 +50,33 @@ fn coarsened(surface: &TriMesh, triangles: usize) -> Result<WorkMesh, Box<dyn Er
     Ok(work_mesh(surface, &features, edge, &RemeshOptions::default(), &Progress::none())?)
 }
 
-/// The methods: name, rounding, how the relaxation follows.
-fn methods() -> Vec<(&'static str, Rounding, Updates)> {
+/// A name, a way to round, and how the relaxation follows.
+type Method = (&'static str, Rounding, Updates);
+
+fn methods() -> Vec<Method> {
     let exact = ExactOptions { time_limit: Some(EXACT_LIMIT), ..ExactOptions::default() };
     vec![
         ("direct", Rounding::Direct, Updates::Auto),
         ("greedy", Rounding::Greedy, Updates::Auto),
-        ("greedy, ladder", Rounding::Greedy, Updates::Ladder),
+        ("greedy with ladder", Rounding::Greedy, Updates::Ladder),
         ("naive", Rounding::Naive, Updates::Auto),
         ("exact", Rounding::Exact(exact), Updates::Auto),
     ]
 }
 
-fn field_rows(work: &WorkMesh) -> Result<Vec<Value>, Box<dyn Error>> {
+fn field_rows(work: &WorkMesh, methods: &[Method]) -> Result<Vec<Value>, Box<dyn Error>> {
     let mesh = &work.mesh;
     let length = metric::edge_lengths(mesh);
     let transport = Transport::new(mesh, &length);
     let (constraints, _) = FieldConstraints::from_features(mesh, &transport, &length, &work.binding);
     let mut rows = Vec::new();
     // The field has its own ways to follow a rounding: one greedy row only.
-    for (name, rounding, _) in methods().into_iter().filter(|m| m.0 != "greedy, ladder") {
-        let options =
-            FieldOptions { start: FieldStart::Rounded(rounding), local_search: false, ..FieldOptions::default() };
+    for (name, rounding, _) in methods.iter().filter(|m| m.0 != "greedy with ladder") {
+        let options = FieldOptions {
+            start: FieldStart::Rounded(rounding.clone()),
+            local_search: false,
+            ..FieldOptions::default()
+        };
         let progress = Progress::none().with_time_limit(LIMIT);
         let begin = Instant::now();
         let solved = solve_cross_field(mesh, &transport, &length, &constraints, &options, &progress);
@@ -90,7 +97,7 @@ fn field_rows(work: &WorkMesh) -> Result<Vec<Value>, Box<dyn Error>> {
     Ok(rows)
 }
 
-fn map_rows(work: &WorkMesh) -> Result<Vec<Value>, Box<dyn Error>> {
+fn map_rows(work: &WorkMesh, methods: &[Method]) -> Result<Vec<Value>, Box<dyn Error>> {
     let mesh = &work.mesh;
     let edge = (mesh.area() / mesh.face_count() as f64 * 4.0 / 3.0_f64.sqrt()).sqrt() / WORK_EDGE_REL;
     let field: CrossField = cross_field(work, edge, Default::default(), &Progress::none())?.0;
@@ -104,11 +111,16 @@ fn map_rows(work: &WorkMesh) -> Result<Vec<Value>, Box<dyn Error>> {
     let energy = orientation_energy(mesh, &charts, &gradient, &weight, &EnergyOptions::default(), 1.0);
     let constant: f64 = 2.0 * gradient.values().iter().map(|g| g.area).sum::<f64>();
     let mut rows = Vec::new();
-    for (name, rounding, updates) in methods() {
+    for (name, rounding, updates) in methods {
         let begin = Instant::now();
         let cancelled = || begin.elapsed() > LIMIT;
         let mut solver = Solver::new(variable_count(&charts), &constraints.rows, &constraints.integers)?;
-        let options = SolveOptions { rounding, updates, cancelled: Some(&cancelled), ..SolveOptions::default() };
+        let options = SolveOptions {
+            rounding: rounding.clone(),
+            updates: *updates,
+            cancelled: Some(&cancelled),
+            ..SolveOptions::default()
+        };
         let solved = solver.solve(&energy, &options);
         let seconds = begin.elapsed().as_secs_f64();
         let found = match solved {
