@@ -11,6 +11,7 @@ use std::time::Instant;
 use crate::cholesky::{CholeskyError, SparseCholesky};
 use crate::conditional::Conditional;
 use crate::constraints::Constraints;
+use crate::descent::descend;
 use crate::elimination::Elimination;
 use crate::error::{Failure, SolveError};
 use crate::exact::{ExactOptions, ExactReport, branch_and_bound, cost_of};
@@ -154,6 +155,8 @@ pub struct SolveReport {
     pub roundings: usize,
     /// Updates of the relaxation in the course of it.
     pub rounds: usize,
+    /// Steps of single integers after rounding that lowered the energy.
+    pub steps: usize,
     /// Single-variable updates.
     pub gauss_seidel_updates: usize,
     /// Iterations of conjugate gradients.
@@ -529,6 +532,9 @@ impl Stage<'_> {
             Rounding::GreedyOneByOne => round_ladder(&mut ladder, self.integers, 0.0, &cancelled, Ladder::fix)?,
             _ => round_ladder(&mut ladder, self.integers, options.block_limit, &cancelled, Ladder::fix)?,
         };
+        if options.rounding == Rounding::Greedy {
+            self.report.steps = descend(&mut ladder, self.integers, &cancelled)?;
+        }
         self.report.seconds.round = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         ladder.fix_and_factorize(&[])?;

@@ -83,6 +83,38 @@ fn greedy_beats_direct_and_blocks_cost_little() {
 }
 
 #[test]
+fn steps_after_rounding_lower_the_energy_and_leave_few_that_would() {
+    let (mut kept, mut better, mut tried) = (0, 0, 0);
+    for k in 0..6 {
+        let problem = field_problem(9, 0.5 + 0.1 * k as f64);
+        // A coarse tolerance rounds badly, so that there is something to mend; one by one is not followed by steps.
+        let ladder = LadderOptions { tolerance: 0.05, exact_after_rel: f64::INFINITY, ..Default::default() };
+        let options = SolveOptions { updates: Updates::Ladder, ladder, block_limit: 0.0, ..Default::default() };
+        let rounded = solve(&problem, &SolveOptions { rounding: Rounding::GreedyOneByOne, ..options }).unwrap();
+        let stepped = solve(&problem, &SolveOptions { rounding: Rounding::Greedy, ..options }).unwrap();
+        assert_admissible(&problem, &stepped);
+        assert!(stepped.energy <= rounded.energy + 1e-9, "{} after {}", stepped.energy, rounded.energy);
+        kept += stepped.report.steps;
+        // Every single step, by an exact solve.
+        for &i in &problem.integers {
+            for by in [-1.0, 1.0] {
+                let value = |&j: &usize| (j, stepped.x[j] + if i == j { by } else { 0.0 });
+                let fixed: Vec<(usize, f64)> = problem.integers.iter().map(value).collect();
+                let options = SolveOptions { rounding: Rounding::Relaxed, fixed: &fixed, ..Default::default() };
+                // A row may tie the integer to others.
+                let Ok(there) = solve(&problem, &options) else { continue };
+                better += usize::from(there.energy < stepped.energy - 1e-3);
+                tried += 1;
+            }
+        }
+    }
+    assert!(
+        kept > 0 && tried > 1000 && better * 100 < tried,
+        "{kept} steps; {better} of {tried} further ones would pay"
+    );
+}
+
+#[test]
 fn exact_mode_proves_the_gap_of_greedy() {
     let problem = map_problem(12, 3, 6, 0.9);
     let greedy = run(&problem, Rounding::Greedy, Updates::Schur);

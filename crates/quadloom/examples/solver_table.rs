@@ -6,10 +6,11 @@
 #![allow(clippy::print_stdout, reason = "an example")]
 
 use quadloom::features::{FeatureRequest, find_features};
+use quadloom::mesh::remesh::{RemeshOptions, TargetLength, isotropic};
 use quadloom::mesh::repair::{RepairOptions, repair};
 use quadloom::mesh::{EdgeMap, FaceMap, metric};
-use quadloom::stages::{WORK_EDGE_REL, WorkMesh, cross_field, work_mesh};
-use quadloom::{Progress, RemeshOptions, Source, TriMesh, load};
+use quadloom::stages::{WORK_EDGE_REL, WorkMesh, cross_field};
+use quadloom::{Progress, Source, TriMesh, load};
 use quadloom_field::{
     CrossField, FieldConstraints, FieldError, FieldOptions, FieldStart, SizeField, Transport, solve_cross_field,
 };
@@ -21,7 +22,7 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 /// A method is given up after this long.
-const LIMIT: Duration = Duration::from_secs(180);
+const LIMIT: Duration = Duration::from_secs(900);
 /// The exact one earlier: it is asked for small problems only.
 const EXACT_LIMIT: Duration = Duration::from_secs(60);
 
@@ -42,12 +43,34 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// An isotropic mesh of about so many triangles.
+/// An isotropic mesh of about so many triangles, coarse where the surface is curved too.
 fn coarsened(surface: &TriMesh, triangles: usize) -> Result<WorkMesh, Box<dyn Error>> {
-    let edge = (surface.area() / triangles as f64 * 4.0 / 3.0_f64.sqrt()).sqrt();
-    let request = FeatureRequest { sharp_angle: Some(35.0), ..FeatureRequest::default() };
-    let features = find_features(surface, &request, edge / WORK_EDGE_REL).graph;
-    Ok(work_mesh(surface, &features, edge, &RemeshOptions::default(), &Progress::none())?)
+    let even = RemeshOptions {
+        max_deviation_rel: f64::INFINITY,
+        max_chain_deviation_rel: f64::INFINITY,
+        min_length_rel: 1.0,
+        ..RemeshOptions::default()
+    };
+    let mut edge = equilateral_edge(surface.area() / triangles as f64);
+    for _ in 0..CORRECTIONS {
+        let request = FeatureRequest { sharp_angle: Some(35.0), ..FeatureRequest::default() };
+        let features = find_features(surface, &request, edge / WORK_EDGE_REL).graph;
+        let made = isotropic(surface, &features, TargetLength::Uniform(edge), &even, &Progress::none())?;
+        let count = made.mesh.face_count() as f64;
+        if (count / triangles as f64 - 1.0).abs() < 0.05 {
+            return Ok(WorkMesh { binding: made.features.clone(), mesh: made.mesh, features: made.features });
+        }
+        edge *= (count / triangles as f64).sqrt();
+    }
+    Err(format!("no isotropic mesh of {triangles} triangles was found").into())
+}
+
+/// Tries for the number of triangles.
+const CORRECTIONS: usize = 8;
+
+/// Edge length of an equilateral triangle of this area.
+fn equilateral_edge(area: f64) -> f64 {
+    (area * 4.0 / 3.0_f64.sqrt()).sqrt()
 }
 
 /// A name, a way to round, and how the relaxation follows.
@@ -99,7 +122,7 @@ fn field_rows(work: &WorkMesh, methods: &[Method]) -> Result<Vec<Value>, Box<dyn
 
 fn map_rows(work: &WorkMesh, methods: &[Method]) -> Result<Vec<Value>, Box<dyn Error>> {
     let mesh = &work.mesh;
-    let edge = (mesh.area() / mesh.face_count() as f64 * 4.0 / 3.0_f64.sqrt()).sqrt() / WORK_EDGE_REL;
+    let edge = equilateral_edge(mesh.area() / mesh.face_count() as f64) / WORK_EDGE_REL;
     let field: CrossField = cross_field(work, edge, Default::default(), &Progress::none())?.0;
     let length: EdgeMap<f64> = metric::edge_lengths(mesh);
     let transport = Transport::new(mesh, &length);

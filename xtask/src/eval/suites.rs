@@ -387,7 +387,7 @@ fn solver(settings: &Settings) -> Result<Evaluation, String> {
     let (quick, quick_rows) = greedy_and_direct(settings)?;
     let text = format!(
         "# Ways to round\n\n## Rockerarm\n\nCross field and integer-grid map on isotropic meshes of the model; one \
-         thread. A dash for the energy: given up after three minutes; the exact search after one, or refused where its \
+         thread. A dash for the energy: given up after fifteen minutes; the exact search after one, or refused where its \
          dense matrix would be too large.\n\n{}\n{quick}",
         grid(&head, &rows)
     );
