@@ -5,6 +5,7 @@
 #![warn(missing_docs)]
 
 pub mod charts;
+mod conditions;
 pub mod fans;
 mod follow;
 pub mod integer_grid_map;

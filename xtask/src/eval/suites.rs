@@ -41,10 +41,10 @@ fn tri(settings: &Settings) -> Result<Evaluation, String> {
         let these: Vec<&Run> = runs.iter().filter(|r| r.job.variant == variant).collect();
         let good = these.iter().filter(|r| r.is_good()).count();
         let near = these.iter().filter(|r| count_error(r).is_some_and(|e| e.abs() <= 10.0)).count();
-        let lies = these.iter().filter(|r| r.is_lie()).count();
+        let [lies, doubted] = [0, 6].map(|code| these.iter().filter(|r| r.is_lie() && r.exit == Some(code)).count());
         text.push_str(&format!(
             "- {variant}: {good} of {} valid, nothing inverted, nothing facing against the input; count within 10 %: \
-             {near}; accepted by the command and rejected by the judge: {lies}\n",
+             {near}; rejected with exit code 0: {lies}, with 6: {doubted}\n",
             these.len()
         ));
     }
