@@ -43,7 +43,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// An isotropic mesh of about so many triangles, coarse where the surface is curved too.
+/// An isotropic mesh of about so many triangles, coarse where the surface is curved too; more where the topology needs
+/// them.
 fn coarsened(surface: &TriMesh, triangles: usize) -> Result<WorkMesh, Box<dyn Error>> {
     let even = RemeshOptions {
         max_deviation_rel: f64::INFINITY,
@@ -52,18 +53,27 @@ fn coarsened(surface: &TriMesh, triangles: usize) -> Result<WorkMesh, Box<dyn Er
         ..RemeshOptions::default()
     };
     let mut edge = equilateral_edge(surface.area() / triangles as f64);
+    let mut best: Option<(f64, WorkMesh)> = None;
     for _ in 0..CORRECTIONS {
         let request = FeatureRequest { sharp_angle: Some(35.0), ..FeatureRequest::default() };
         let features = find_features(surface, &request, edge / WORK_EDGE_REL).graph;
         let made = isotropic(surface, &features, TargetLength::Uniform(edge), &even, &Progress::none())?;
-        let count = made.mesh.face_count() as f64;
-        if (count / triangles as f64 - 1.0).abs() < 0.05 {
-            return Ok(WorkMesh { binding: made.features.clone(), mesh: made.mesh, features: made.features });
+        let ratio = made.mesh.face_count() as f64 / triangles as f64;
+        let miss = ratio.ln().abs();
+        if best.as_ref().is_none_or(|(least, _)| miss < *least) {
+            let work = WorkMesh { binding: made.features.clone(), mesh: made.mesh, features: made.features };
+            best = Some((miss, work));
         }
-        edge *= (count / triangles as f64).sqrt();
+        if miss < CLOSE {
+            break;
+        }
+        edge *= ratio.sqrt();
     }
-    Err(format!("no isotropic mesh of {triangles} triangles was found").into())
+    Ok(best.ok_or("no isotropic mesh was made")?.1)
 }
+
+/// Miss of the number of triangles, as a logarithm, at which it is close enough.
+const CLOSE: f64 = 0.05;
 
 /// Tries for the number of triangles.
 const CORRECTIONS: usize = 8;
