@@ -173,6 +173,37 @@ fn thin_sheets_keep_their_sides() {
 }
 
 #[test]
+fn one_vertex_leaves_a_feature_where_one_is_enough() {
+    // A straight crease: on a bent one the quads of three vertices along it have an area.
+    let mut flat = rectangle_with_line([12, 9], [24, 18], 0.25, Some(8), 2);
+    mark_line(&mut flat, 0, 4);
+    let model = moved(flat, |p| DVec3::new(p.x, p.y, 0.7 * (p.x - 4.0).abs()));
+    let mut quads = extract(&model.mesh, &model.map, &model.features, &Progress::none()).unwrap();
+    let reference = Reference::new(&model.mesh, &model.features);
+    // A vertex beside the crease is said to lie on it, between two that do: its quads have no area there.
+    let crease = |v: VertexId| match quads.placement[v] {
+        Placement::Chain { chain, .. } if !quads.mesh.is_boundary_vertex(v) => Some(chain),
+        _ => None,
+    };
+    let beside = |v: VertexId| {
+        let chain = quads.mesh.neighbours(v).find_map(crease);
+        (quads.placement[v] == Placement::Free && !quads.mesh.is_boundary_vertex(v)).then_some(()).and(chain)
+    };
+    let (stray, chain) = quads.mesh.vertices().find_map(|v| Some((v, beside(v)?))).unwrap();
+    let own = quads.mesh.position(stray);
+    let on_curve = reference.curves.query(chain, own).position;
+    let others: Vec<VertexId> = quads.mesh.vertices().filter(|&v| crease(v).is_some()).collect();
+    quads.placement[stray] = quads.placement[others[0]];
+    let start =
+        VertexMap::from_fn(quads.mesh.vertex_count(), |v| if v == stray { on_curve } else { quads.mesh.position(v) });
+    quads.mesh = quads.mesh.with_positions(start).unwrap();
+    let finished = finish(&quads, &reference, &FinishOptions::default(), &Progress::none()).unwrap();
+    assert_eq!((finished.report.bad_after, finished.report.released), (0, 1), "{:?}", finished.report);
+    let on_curve = |&&v: &&VertexId| reference.curves.query(chain, finished.mesh.position(v)).distance < 1e-12;
+    assert_eq!(others.iter().chain([&stray]).filter(on_curve).count(), others.len());
+}
+
+#[test]
 fn threads_do_not_matter() {
     let model = sheet(4);
     let positions = |threads: usize| {
