@@ -106,7 +106,7 @@ fn field_rows(work: &WorkMesh, methods: &[Method]) -> Result<Vec<Value>, Box<dyn
     // The field has its own ways to follow a rounding: one greedy row only.
     for (name, rounding, _) in methods.iter().filter(|m| m.0 != "greedy with ladder") {
         let options = FieldOptions {
-            start: FieldStart::Rounded(rounding.clone()),
+            start: FieldStart::Rounded(*rounding),
             local_search: false,
             ..FieldOptions::default()
         };
