@@ -105,11 +105,8 @@ fn field_rows(work: &WorkMesh, methods: &[Method]) -> Result<Vec<Value>, Box<dyn
     let mut rows = Vec::new();
     // The field has its own ways to follow a rounding: one greedy row only.
     for (name, rounding, _) in methods.iter().filter(|m| m.0 != "greedy with ladder") {
-        let options = FieldOptions {
-            start: FieldStart::Rounded(*rounding),
-            local_search: false,
-            ..FieldOptions::default()
-        };
+        let options =
+            FieldOptions { start: FieldStart::Rounded(*rounding), local_search: false, ..FieldOptions::default() };
         let progress = Progress::none().with_time_limit(LIMIT);
         let begin = Instant::now();
         let solved = solve_cross_field(mesh, &transport, &length, &constraints, &options, &progress);
@@ -149,7 +146,7 @@ fn map_rows(work: &WorkMesh, methods: &[Method]) -> Result<Vec<Value>, Box<dyn E
         let cancelled = || begin.elapsed() > LIMIT;
         let mut solver = Solver::new(variable_count(&charts), &constraints.rows, &constraints.integers)?;
         let options = SolveOptions {
-            rounding: rounding.clone(),
+            rounding: *rounding,
             updates: *updates,
             cancelled: Some(&cancelled),
             ..SolveOptions::default()
