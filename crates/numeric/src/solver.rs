@@ -53,7 +53,8 @@ pub enum Rounding {
     Relaxed,
     /// All at once from the relaxation ([Bommes2012] §5.2.1).
     Direct,
-    /// Nearest first, in blocks where that saves work ([Bommes2012] §5.2.2).
+    /// Nearest first, in blocks where that saves work ([Bommes2012] §5.2.2); on the ladder then by single steps that lower
+    /// the energy.
     #[default]
     Greedy,
     /// Nearest first, the others updated after each.

@@ -91,12 +91,20 @@ impl Run {
         self.judge[key].as_f64()
     }
 
-    /// Everything measured, for the machine-readable table.
+    /// Everything measured, for the machine-readable table; of the report's warnings their code and message, and nothing
+    /// for each component, of which a file may have hundreds.
     pub fn to_json(&self) -> Value {
+        let mut report = self.report.clone();
+        if let Some(fields) = report.as_object_mut() {
+            fields.remove("components");
+        }
+        for warning in report.get_mut("warnings").and_then(Value::as_array_mut).into_iter().flatten() {
+            *warning = json!({ "code": warning["code"], "message": warning["message"] });
+        }
         json!({
             "model": self.job.model, "variant": self.job.variant, "options": self.job.options,
             "exit": self.exit, "seconds": (self.seconds * 1000.0).round() / 1000.0, "message": self.message,
-            "report": self.report, "judge": self.judge, "orientation": self.orientation,
+            "report": report, "judge": self.judge, "orientation": self.orientation,
         })
     }
 }
