@@ -73,6 +73,11 @@ pub struct FeatureOptions {
     /// Pieces whose median edge lies between faces of at least this height over it are creases between facets, whatever
     /// their contrast, file units. Default: none is.
     pub facet_height: f64,
+    /// Where all that would be dropped is at most this part of the length of all sharp edges, the surface is a solid and
+    /// no scan: its open pieces of several edges are kept that have at least [`Self::least_length`]. Default 0: never.
+    pub few_rel: f64,
+    /// Length of the shortest piece that is kept for being one of few, file units. Default 0.
+    pub least_length: f64,
 }
 
 /// Distance of two corners of a boundary, relative to the reach, below which they are looked at together.
@@ -90,6 +95,8 @@ impl Default for FeatureOptions {
             min_piece_length: 0.0,
             min_contrast: 0.0,
             facet_height: f64::INFINITY,
+            few_rel: 0.0,
+            least_length: 0.0,
         }
     }
 }
@@ -311,8 +318,10 @@ impl FeatureGraph {
         }
         let piece_of = |e: EdgeId| piece[self.chain_of[e]? as usize];
         let (mut contrast, mut height) = (vec![Vec::new(); count], vec![Vec::new(); count]);
+        let mut edges = vec![0; count];
         for e in mesh.edges() {
             if let Some(piece) = piece_of(e) {
+                edges[piece] += 1;
                 let [a, b] = mesh.ends(e).map(|v| mesh.position(v));
                 length[piece] += a.distance(b);
                 if loose[piece] && options.min_contrast > 0.0 {
@@ -330,13 +339,21 @@ impl FeatureGraph {
             median(&mut contrast[i]).is_some_and(|c| c < options.min_contrast)
                 && median(&mut height[i]).is_some_and(|h| h < options.facet_height)
         };
-        let unwanted: Vec<bool> = (0..count)
+        let mut unwanted: Vec<bool> = (0..count)
             .map(|i| {
                 let short = length[i] < options.min_piece_length;
                 let short_and_loose = loose[i] && length[i] < options.min_loose_length;
                 (!attached[i] && (short || short_and_loose)) || (loose[i] && blurred(i))
             })
             .collect();
+        // 3. Where they are few, the longer ones of them are kept after all.
+        let lost: f64 = (0..count).filter(|&i| unwanted[i]).map(|i| length[i]).sum();
+        if lost <= options.few_rel * length.iter().sum::<f64>() {
+            for i in 0..count {
+                let is_line = loose[i] && edges[i] > 1 && length[i] >= options.least_length;
+                unwanted[i] &= !is_line;
+            }
+        }
         mesh.edges().filter(|&e| piece_of(e).is_some_and(|piece| unwanted[piece])).collect()
     }
 

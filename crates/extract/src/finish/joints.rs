@@ -36,15 +36,15 @@ const STRIDES: usize = 2;
 
 /// A point of a curve, by its length from the curve's start; on closed curves it may be beyond either end.
 #[derive(Clone, Copy)]
-struct Place {
-    arc: f64,
-    position: DVec3,
+pub(super) struct Place {
+    pub arc: f64,
+    pub position: DVec3,
 }
 
 /// A vertex on a curve, or an end of the curve, with the places it can go to; the first one is where it is.
-struct Stop {
-    vertex: Option<VertexId>,
-    places: Vec<Place>,
+pub(super) struct Stop {
+    pub vertex: Option<VertexId>,
+    pub places: Vec<Place>,
 }
 
 /// Where a vertex is to go.
@@ -114,7 +114,7 @@ fn stride(state: &State, goal: &Goal, left: usize) -> Option<Move> {
 }
 
 /// The vertices on each curve, ascending by length, then by id.
-fn stops_by_chain(state: &State) -> Vec<Vec<(f64, VertexId)>> {
+pub(super) fn stops_by_chain(state: &State) -> Vec<Vec<(f64, VertexId)>> {
     let mut stops: Vec<Vec<(f64, VertexId)>> = vec![Vec::new(); state.reference.curves.len()];
     for v in state.quads.vertices() {
         if let Tie::Curve { chain, arc } = state.tie[v] {
@@ -126,7 +126,7 @@ fn stops_by_chain(state: &State) -> Vec<Vec<(f64, VertexId)>> {
 }
 
 /// A curve of the surface and its joints.
-struct Curve<'a> {
+pub(super) struct Curve<'a> {
     state: &'a State<'a>,
     chain: ChainId,
     /// Ascending; those of a closed curve once more before and behind it.
@@ -135,7 +135,7 @@ struct Curve<'a> {
 }
 
 impl<'a> Curve<'a> {
-    fn new(state: &'a State<'a>, chain: ChainId, edge: f64) -> Self {
+    pub(super) fn new(state: &'a State<'a>, chain: ChainId, edge: f64) -> Self {
         let curves = &state.reference.curves;
         let total = curves.length(chain);
         let rounds: &[f64] = if curves.is_closed(chain) { &[-1.0, 0.0, 1.0] } else { &[0.0] };
@@ -152,7 +152,7 @@ impl<'a> Curve<'a> {
             return Vec::new();
         }
         let stops = self.with_places(stops);
-        let chosen = self.cheapest(&stops);
+        let chosen = cheapest(&stops, self.is_closed(), |from, to| self.piece_costs(from, to));
         let goal = |(stop, place): (&Stop, usize)| {
             let vertex = stop.vertex.filter(|&v| !self.state.pinned[v])?;
             let (from, to) = (stop.places[0].arc, stop.places[place]);
@@ -163,12 +163,12 @@ impl<'a> Curve<'a> {
         stops.iter().zip(chosen).take(count).filter_map(goal).collect()
     }
 
-    fn is_closed(&self) -> bool {
+    pub(super) fn is_closed(&self) -> bool {
         self.state.reference.curves.is_closed(self.chain)
     }
 
     /// The vertices where they are, between the ends of an open curve; a closed one ends with its first vertex.
-    fn stops(&self, own: Vec<(f64, VertexId)>) -> Vec<Stop> {
+    pub(super) fn stops(&self, own: Vec<(f64, VertexId)>) -> Vec<Stop> {
         let curves = &self.state.reference.curves;
         let total = curves.length(self.chain);
         let stop = |(arc, v): (f64, VertexId)| Stop {
@@ -187,14 +187,14 @@ impl<'a> Curve<'a> {
     }
 
     /// The joints between two places.
-    fn between(&self, a: Place, b: Place) -> &[Place] {
+    pub(super) fn between(&self, a: Place, b: Place) -> &[Place] {
         let from = self.joints.partition_point(|j| j.arc <= a.arc);
         let to = self.joints.partition_point(|j| j.arc < b.arc);
         &self.joints[from..to.max(from)]
     }
 
     /// Distance of the curve from the chord between two places, file units.
-    fn cut(&self, a: Place, b: Place) -> f64 {
+    pub(super) fn cut(&self, a: Place, b: Place) -> f64 {
         let off = |j: &Place| {
             let t = closest_parameter(a.position, b.position, j.position);
             a.position.lerp(b.position, t).distance(j.position)
@@ -209,12 +209,12 @@ impl<'a> Curve<'a> {
         self.joints[near.saturating_sub(1)..].iter().take(3).any(is_here) && self.sticks_out(place)
     }
 
-    fn sticks_out(&self, joint: Place) -> bool {
+    pub(super) fn sticks_out(&self, joint: Place) -> bool {
         self.bulge(joint) > 0.5 * LEAST_CUT_REL * self.edge
     }
 
     /// How far a joint sticks out of the curve at the size of quads, file units.
-    fn bulge(&self, joint: Place) -> f64 {
+    pub(super) fn bulge(&self, joint: Place) -> f64 {
         let curves = &self.state.reference.curves;
         let [a, b] = [-0.5, 0.5].map(|k| curves.at(self.chain, joint.arc + k * self.edge).position);
         a.lerp(b, closest_parameter(a, b, joint.position)).distance(joint.position)
@@ -247,42 +247,6 @@ impl<'a> Curve<'a> {
         stops
     }
 
-    /// The choice of a place for each stop that costs least: cuts squared, and a little for the way.
-    ///
-    /// Equal costs are decided by the earlier place.
-    fn cheapest(&self, stops: &[Stop]) -> Vec<usize> {
-        let pieces: Vec<Vec<Vec<f64>>> = stops.windows(2).map(|w| self.piece_costs(&w[0], &w[1])).collect();
-        let starts = if self.is_closed() { stops[0].places.len() } else { 1 };
-        let mut best = (f64::INFINITY, vec![0; stops.len()]);
-        for start in 0..starts {
-            // 1. Least cost to each place of each stop, and the place before.
-            let mut cost: Vec<f64> = vec![f64::INFINITY; stops[0].places.len()];
-            cost[start] = 0.0;
-            let mut before: Vec<Vec<usize>> = Vec::with_capacity(pieces.len());
-            for piece in &pieces {
-                let cheapest = |to: usize| {
-                    let from = |i: usize| cost[i] + piece[i][to];
-                    let i = (1..cost.len()).fold(0, |least, i| if from(i) < from(least) { i } else { least });
-                    (from(i), i)
-                };
-                let next: Vec<(f64, usize)> = (0..piece[0].len()).map(cheapest).collect();
-                before.push(next.iter().map(|n| n.1).collect());
-                cost = next.into_iter().map(|n| n.0).collect();
-            }
-            // 2. A closed curve ends in the place where it started.
-            let end = if self.is_closed() { start } else { 0 };
-            if cost[end] < best.0 {
-                let mut places = vec![end];
-                for back in before.iter().rev() {
-                    places.push(back[places[places.len() - 1]]);
-                }
-                places.reverse();
-                best = (cost[end], places);
-            }
-        }
-        best.1
-    }
-
     /// Cost of the chord between any place of a stop and any of the next one, the way of the latter included.
     fn piece_costs(&self, from: &Stop, to: &Stop) -> Vec<Vec<f64>> {
         let least_gap = LEAST_GAP_REL * (to.places[0].arc - from.places[0].arc);
@@ -297,6 +261,46 @@ impl<'a> Curve<'a> {
         };
         (0..from.places.len()).map(|i| (0..to.places.len()).map(|j| cost(i, j)).collect()).collect()
     }
+}
+
+/// The choice of a place for each stop that costs least, by the costs of the pieces between two stops.
+///
+/// Equal costs are decided by the earlier place.
+pub(super) fn cheapest(
+    stops: &[Stop],
+    closed: bool,
+    piece_costs: impl Fn(&Stop, &Stop) -> Vec<Vec<f64>>,
+) -> Vec<usize> {
+    let pieces: Vec<Vec<Vec<f64>>> = stops.windows(2).map(|w| piece_costs(&w[0], &w[1])).collect();
+    let starts = if closed { stops[0].places.len() } else { 1 };
+    let mut best = (f64::INFINITY, vec![0; stops.len()]);
+    for start in 0..starts {
+        // 1. Least cost to each place of each stop, and the place before.
+        let mut cost: Vec<f64> = vec![f64::INFINITY; stops[0].places.len()];
+        cost[start] = 0.0;
+        let mut before: Vec<Vec<usize>> = Vec::with_capacity(pieces.len());
+        for piece in &pieces {
+            let cheapest = |to: usize| {
+                let from = |i: usize| cost[i] + piece[i][to];
+                let i = (1..cost.len()).fold(0, |least, i| if from(i) < from(least) { i } else { least });
+                (from(i), i)
+            };
+            let next: Vec<(f64, usize)> = (0..piece[0].len()).map(cheapest).collect();
+            before.push(next.iter().map(|n| n.1).collect());
+            cost = next.into_iter().map(|n| n.0).collect();
+        }
+        // 2. A closed curve ends in the place where it started.
+        let end = if closed { start } else { 0 };
+        if cost[end] < best.0 {
+            let mut places = vec![end];
+            for back in before.iter().rev() {
+                places.push(back[places[places.len() - 1]]);
+            }
+            places.reverse();
+            best = (cost[end], places);
+        }
+    }
+    best.1
 }
 
 #[cfg(test)]

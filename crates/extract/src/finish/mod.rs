@@ -10,6 +10,7 @@ mod creases;
 mod joints;
 mod release;
 mod shape;
+mod spread;
 mod state;
 mod sweep;
 mod ties;
@@ -23,6 +24,7 @@ use joints::settle_on_joints;
 use quadloom_mesh::{Cancelled, MeshError, Progress, QuadMesh};
 use release::{release_around, release_single};
 use serde::{Deserialize, Serialize};
+use spread::spread_along_curves;
 use state::State;
 use sweep::{Aim, sweep};
 use ties::Ties;
@@ -110,6 +112,8 @@ pub struct FinishReport {
     pub tips: usize,
     /// Vertices that were pinned to sharp edges which are no features.
     pub creased: usize,
+    /// Vertices that were spread along curves again, because a chord cut much off.
+    pub spread: usize,
     /// Vertices that left their corner or curve because a quad stayed inverted otherwise.
     pub released: usize,
     /// Largest distance of those from where they belong, relative to the mean edge.
@@ -221,7 +225,13 @@ pub fn finish(
         report.pinned += pinned;
         report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
     }
-    // 9. A feature is given up where it alone keeps a quad inverted: by single vertices first, then around the quad.
+    // 9. Curves whose chords cut much off in spite of all that.
+    report.spread = spread_along_curves(&mut state, edge, LAST_JOINT_FLOOR, progress)?;
+    if report.spread > 0 {
+        report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
+        state.project_all();
+    }
+    // 10. A feature is given up where it alone keeps a quad inverted: by single vertices first, then around the quad.
     if options.release && state.bad_quads() > 0 {
         report.released += release_single(&mut state);
         report.single_moves += improve_worst(&mut state, LEAST_QUALITY, options.rounds, progress)?;
@@ -233,7 +243,7 @@ pub fn finish(
         report.released += release_around(&mut state, rings);
         report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
     }
-    // 10. So is the surface itself.
+    // 11. So is the surface itself.
     state.distrust_corners();
     if state.bad_quads() > 0 {
         report.lifted = improve_beside(&mut state, LEAST_QUALITY, options.rounds, progress)?;

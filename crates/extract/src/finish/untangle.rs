@@ -38,6 +38,23 @@ pub(crate) fn improve_worst(
     improve_within(state, threshold, rounds, Reach::OnSurface, progress)
 }
 
+/// Improves those of some quads that are below `threshold`, once, in the order of their vertices.
+///
+/// # Output     number of moves
+pub(crate) fn improve_some(state: &mut State, quads: &[FaceId], threshold: f64, progress: &Progress) -> usize {
+    let poor = quads.iter().filter(|f| state.quality[f.index()] < threshold);
+    let mut vertices: Vec<VertexId> = poor.flat_map(|&f| state.quads.face_vertices(f)).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let mut moves = 0;
+    for v in vertices {
+        let faces: Vec<FaceId> = state.quads.outgoing(v).map(|h| state.quads.face(h)).collect();
+        progress.spend(POOR_EFFORT * faces.len());
+        moves += usize::from(improve(state, v, &faces, Reach::OnSurface));
+    }
+    moves
+}
+
 /// Improves the quads below `threshold` by vertices that leave the surface.
 ///
 /// # Output     number of moves
