@@ -622,6 +622,33 @@ mod tests {
     }
 
     #[test]
+    fn short_loose_chains_are_kept_where_they_are_few() {
+        let mesh = shapes::cube(1.0, 6);
+        // The edges of the cube, and a line of so many edges in the middle of its top.
+        let with_line = |count: f64| {
+            EdgeMap::from_fn(mesh.edge_count(), |e| {
+                let [a, b] = mesh.ends(e).map(|v| mesh.position(v));
+                let on_line = |p: DVec3| p.z == 1.0 && p.x == 0.5 && p.y > 0.3 && p.y < 0.4 + count / 6.0;
+                let sharp = dihedral_angle(&mesh, mesh.half_edge(e)) > 1.0 || (on_line(a) && on_line(b));
+                sharp.then_some(FeatureKind::Sharp)
+            })
+        };
+        let kept = |count: f64, few_rel: f64, least_length: f64| {
+            let options = FeatureOptions { min_loose_length: 0.9, few_rel, least_length, ..FeatureOptions::default() };
+            let (graph, dropped) = FeatureGraph::from_kinds(&mesh, with_line(count), &options);
+            check(&mesh, &graph);
+            (graph.chains.len() - 12, dropped)
+        };
+        assert_eq!(kept(2.0, 0.0, 0.0), (0, 2));
+        // A third of an edge of the cube beside twelve of them.
+        assert_eq!(kept(2.0, 0.05, 0.3), (1, 0));
+        assert_eq!(kept(2.0, 0.02, 0.3), (0, 2));
+        assert_eq!(kept(2.0, 0.05, 0.4), (0, 2));
+        // A single edge is no line.
+        assert_eq!(kept(1.0, 0.05, 0.0), (0, 1));
+    }
+
+    #[test]
     fn guides_meet_sharp_chains_at_corners() {
         let mesh = shapes::cube(1.0, 4);
         let kind = EdgeMap::from_fn(mesh.edge_count(), |e| {

@@ -91,6 +91,9 @@ const JOINT_FLOOR: f64 = 0.3;
 /// The same for what no vertex has reached at the end: the other vertices of such quads are moved once more after it.
 const LAST_JOINT_FLOOR: f64 = 0.12;
 
+/// The same where a chord cuts much off in spite of that: a poor quad is worth less than a feature that is seen to be cut.
+const SPREAD_FLOOR: f64 = 0.06;
+
 /// Strides towards tips, and sweeps after each.
 const TIP_ROUNDS: usize = 5;
 
@@ -226,7 +229,7 @@ pub fn finish(
         report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
     }
     // 9. Curves whose chords cut much off in spite of all that.
-    report.spread = spread_along_curves(&mut state, edge, LAST_JOINT_FLOOR, progress)?;
+    report.spread = spread_along_curves(&mut state, edge, SPREAD_FLOOR, progress)?;
     if report.spread > 0 {
         report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
         state.project_all();

@@ -19,10 +19,11 @@ const MUCH_CUT_REL: f64 = 0.14;
 /// Vertices to either side of such a chord that move.
 const WINDOW: usize = 5;
 
-/// Way that a vertex can go at once, in mean quad edges, and the number of places in it to either side.
-const REACH_REL: f64 = 1.5;
+/// Way that a vertex can go in each round, in mean quad edges: far first, to where the fewest are cut off, then near it,
+/// to where those are least. Each round sees how far the vertices came in the one before.
+const REACH_REL: [f64; 4] = [1.5, 1.5, 0.4, 0.1];
 
-/// See there.
+/// Number of places within the reach to either side.
 const SAMPLES: i32 = 9;
 
 /// Two neighbours come no nearer to each other than this, in mean quad edges, unless they are already.
@@ -36,9 +37,6 @@ const MUCH_COST: f64 = 100.0;
 
 /// Joints at most that a vertex chooses from; those that stick out farthest.
 const MOST_JOINTS: usize = 8;
-
-/// Choices of places; each sees how far the vertices came after the one before.
-const ROUNDS: usize = 3;
 
 /// Strides in which vertices go to their places; all around improves after each.
 const STRIDES: usize = 8;
@@ -88,15 +86,15 @@ struct Stretch {
 impl Stretch {
     fn spread(&self, state: &mut State, progress: &Progress) -> Result<usize, Cancelled> {
         let before = self.largest_cut(state);
-        let mut travellers = self.choose(state);
+        let mut travellers = self.choose(state, REACH_REL[0]);
         if travellers.is_empty() {
             return Ok(0);
         }
         // 1. All that may move, as it is.
         let rings = self.rings(state, &travellers);
         let saved = Saved::new(state, &rings);
-        // 2. There and back, until there is nothing left to choose.
-        for _ in 0..ROUNDS {
+        // 2. Choose and go, until there is nothing left to choose.
+        for round in 1..=REACH_REL.len() {
             for t in &travellers {
                 state.pinned[t.vertex] = true;
             }
@@ -107,7 +105,8 @@ impl Stretch {
                 }
                 improve_some(state, &rings, ROOM, progress);
             }
-            travellers = self.choose(state);
+            let Some(&reach) = REACH_REL.get(round) else { break };
+            travellers = self.choose(state, reach);
             travellers.retain(|t| saved.contains(t.vertex));
             if travellers.is_empty() {
                 break;
@@ -140,7 +139,7 @@ impl Stretch {
     }
 
     /// Who is to go where.
-    fn choose(&self, state: &State) -> Vec<Traveller> {
+    fn choose(&self, state: &State, reach_rel: f64) -> Vec<Traveller> {
         let curve = Curve::new(state, self.chain, self.edge);
         let mut stops = curve.stops(self.own(state));
         if stops.len() < 3 {
@@ -154,7 +153,7 @@ impl Stretch {
         let count = stops.len() - usize::from(curve.is_closed());
         for (i, stop) in stops.iter_mut().enumerate().take(count) {
             if is_near[i] && stop.vertex.is_some() {
-                self.add_places(state, &curve, stop);
+                self.add_places(state, &curve, stop, reach_rel * self.edge);
             }
         }
         if curve.is_closed() {
@@ -190,9 +189,8 @@ impl Stretch {
     }
 
     /// Adds the joints and some points of the curve around a vertex.
-    fn add_places(&self, state: &State, curve: &Curve, stop: &mut Stop) {
+    fn add_places(&self, state: &State, curve: &Curve, stop: &mut Stop, reach: f64) {
         let own = stop.places[0];
-        let reach = REACH_REL * self.edge;
         let [from, to] = [-reach, reach].map(|d| Place { arc: own.arc + d, ..own });
         let mut joints: Vec<(f64, Place)> = curve.between(from, to).iter().map(|&j| (curve.bulge(j), j)).collect();
         joints.retain(|&(_, j)| curve.sticks_out(j) && j.position != own.position);
@@ -282,5 +280,103 @@ impl Saved {
             matches!(state.tie[v], Tie::Curve { .. }) && state.position[v] != place.position
         };
         self.0.iter().filter(moved).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::extraction::{ExtractReport, Extraction, Placement};
+    use crate::finish::ties::Ties;
+    use crate::quality::scaled_jacobian;
+    use crate::reference::Reference;
+    use quadloom_mesh::features::FeatureOptions;
+    use quadloom_mesh::{
+        DVec3, EdgeMap, FaceMap, FeatureGraph, PolylineIndex, QuadMesh, SurfacePoint, TriMesh, VertexMap,
+    };
+    use std::f64::consts::TAU;
+
+    const SIDES: u32 = 16;
+
+    /// Rings of points around the z axis, and the corners of the cells between them.
+    fn rings(radii: &[f64], count: u32, turn: impl Fn(usize, u32) -> f64) -> (Vec<DVec3>, Vec<[u32; 4]>) {
+        let point = |k: usize, i: u32| {
+            let (sin, cos) = (TAU * turn(k, i)).sin_cos();
+            DVec3::new(cos, sin, 0.0) * radii[k]
+        };
+        let point = &point;
+        let points = (0..radii.len()).flat_map(|k| (0..count).map(move |i| point(k, i))).collect();
+        let cell = |k: u32, i: u32| {
+            let (j, low, high) = ((i + 1) % count, k * count, (k + 1) * count);
+            [low + i, high + i, high + j, low + j]
+        };
+        let cells = (0..radii.len() as u32 - 1).flat_map(|k| (0..count).map(move |i| cell(k, i))).collect();
+        (points, cells)
+    }
+
+    /// Spreads vertices along a bore of 16 sides, given in turns; the largest distance of a joint from the quads before
+    /// and after, and the worst scaled Jacobian.
+    fn spread_on_bore(starts: &[f64]) -> (f64, f64, f64) {
+        let count = starts.len() as u32;
+        let (points, cells) = rings(&[1.75, 3.2, 5.0], SIDES, |_, i| f64::from(i) / f64::from(SIDES));
+        let triangles: Vec<[u32; 3]> = cells.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let plate = TriMesh::new(points, &triangles).expect("a plate");
+        let (features, _) = FeatureGraph::detect(&plate, &FeatureOptions::default());
+        let reference = Reference::new(&plate, &features);
+        let even = |i: u32| starts[0] + f64::from(i) / f64::from(count);
+        let turn = |k: usize, i: u32| starts[i as usize] + (even(i) - starts[i as usize]) * k as f64 / 3.0;
+        let (mut positions, quads) = rings(&[1.75, 2.7, 3.7, 4.8], count, turn);
+        for p in &mut positions[..count as usize] {
+            *p = reference.curves.query_any(*p).expect("a boundary").position;
+        }
+        let mesh = QuadMesh::new(positions, &quads).expect("quads");
+        let bore = reference.curves.query_any(mesh.position(VertexId(0))).expect("a boundary").chain;
+        let edge = plate.edges().next().expect("an edge");
+        let placement = VertexMap::from_fn(mesh.vertex_count(), |v: VertexId| match v.0 / count {
+            0 => Placement::Chain { chain: bore, edge, parameter: 0.0 },
+            3 => Placement::Corner(v),
+            _ => Placement::Free,
+        });
+        let quads = Extraction {
+            origin: VertexMap::filled(mesh.vertex_count(), SurfacePoint { face: FaceId(0), weights: [1.0, 0.0, 0.0] }),
+            placement,
+            feature_edges: EdgeMap::from_fn(mesh.edge_count(), |e| {
+                mesh.ends(e).iter().all(|v| v.0 < count).then_some(bore)
+            }),
+            grid: FaceMap::filled(mesh.face_count(), None),
+            report: ExtractReport::default(),
+            mesh,
+        };
+        let (mut state, bad) = State::new(&quads.mesh, &reference, Ties::new(&quads, &reference, 1.2));
+        assert_eq!(bad, 0);
+        let farthest = |state: &State| {
+            let side = |i: u32| ([i, (i + 1) % count].map(|v| state.position[VertexId(v)]), false);
+            let index = PolylineIndex::new(&(0..count).map(side).collect::<Vec<_>>());
+            let joints = (0..SIDES).map(|i| plate.position(VertexId(i)));
+            joints.map(|p| index.query_any(p).map_or(f64::INFINITY, |c| c.distance)).fold(0.0, f64::max)
+        };
+        let before = farthest(&state);
+        let moved = spread_along_curves(&mut state, 1.2, 0.06, &Progress::none()).expect("not cancelled");
+        assert_eq!(moved > 0, farthest(&state) < before);
+        for i in 0..count {
+            assert!(reference.curves.query(bore, state.position[VertexId(i)]).distance < 1e-12);
+        }
+        let worst = state.quads.faces().map(|f| scaled_jacobian(state.corners(f))).fold(f64::INFINITY, f64::min);
+        (before, farthest(&state), worst)
+    }
+
+    /// Nine vertices as a map left them; those at the gaps of two sides and more have the ends of others in their way.
+    #[test]
+    fn vertices_spread_where_they_are_crowded_beside_a_gap() {
+        let starts = [0.64, 2.49, 3.05, 4.06, 4.74, 5.84, 6.94, 8.13, 9.49].map(|arc| arc / 10.84);
+        let (before, after, worst) = spread_on_bore(&starts);
+        // The best that nine vertices on 16 joints can do: a chord over two sides, 1.75 (1 - cos 22.5°).
+        assert!(before > 0.22 && after < 0.14 && worst > 0.2, "{before} {after} {worst}");
+    }
+
+    #[test]
+    fn five_vertices_on_a_bore_cut_it_off_and_stay_no_worse() {
+        let (before, after, worst) = spread_on_bore(&[0.0, 0.2, 0.4, 0.6, 0.8]);
+        assert!(before > 0.2 && after <= before && worst > 0.2, "{before} {after} {worst}");
     }
 }
