@@ -82,6 +82,7 @@ impl Difference {
 }
 
 /// Rows that the integers are to meet.
+#[derive(Clone)]
 pub(crate) struct Conditions {
     rows: Vec<LowerBound>,
     /// Per row how much longer it is asked to be, because rounding missed it.

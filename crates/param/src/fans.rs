@@ -146,7 +146,7 @@ pub fn unfolded(
 }
 
 /// The two sides of a corner in the chart of its face, without distortion.
-fn undistorted(mesh: &TriConnectivity, gradient: &FaceMap<FaceGradient>, h: HalfEdgeId) -> [DVec2; 2] {
+pub(crate) fn undistorted(mesh: &TriConnectivity, gradient: &FaceMap<FaceGradient>, h: HalfEdgeId) -> [DVec2; 2] {
     let face = &gradient[mesh.face(h)];
     let corners = mesh.face_half_edges(mesh.face(h));
     let k = corners.iter().position(|&c| c == h).unwrap_or(0);

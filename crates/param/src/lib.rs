@@ -6,6 +6,7 @@
 
 pub mod charts;
 mod conditions;
+mod curves;
 pub mod fans;
 mod follow;
 pub mod integer_grid_map;

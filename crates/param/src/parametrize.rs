@@ -6,6 +6,7 @@
 //! Source: [Bommes2012] ch. 6 and §8.4; the rungs after stiffening are documented in [`Parametrizer::map`].
 
 use crate::charts::Charts;
+use crate::curves::curves;
 use crate::fans::saddles;
 use crate::follow::{Follower, on_the_way};
 use crate::integer_grid_map::{GRID_UNIT, IntegerGridMap};
@@ -425,7 +426,9 @@ impl<'a> Parametrizer<'a> {
         let failed = |e| solve_error(e, progress);
         let problem = self.solver.integer_problem(&energy, &solve_options).map_err(failed)?;
         progress.spend(SOLVE_EFFORT * self.mesh.face_count() + problem.len().pow(3) / MULTIPLICATIONS);
-        let (z, separation) = separate(&tmesh, &seen, &options.separation, &problem, &solve_options).map_err(failed)?;
+        let features = curves(self.mesh, gradient, &tmesh, &problem);
+        let (z, separation) =
+            separate(&tmesh, &seen, &features, &options.separation, &problem, &solve_options).map_err(failed)?;
         progress.spend(problem.effort() / MULTIPLICATIONS);
         progress.check()?;
         let x = problem.complete(&z).map_err(failed)?;

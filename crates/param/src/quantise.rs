@@ -8,10 +8,11 @@
 //! as one of them being so.
 
 use crate::conditions::{Conditions, Difference, Lengths};
+use crate::curves::Curve;
 use crate::sight::Sight;
 use crate::tmesh::{Arc, TMesh};
 use quadloom_mesh::FaceId;
-use quadloom_numeric::{IntegerProblem, SolveError, SolveOptions};
+use quadloom_numeric::{IntegerProblem, LowerBound, SolveError, SolveOptions};
 
 /// How long separation goes on.
 #[derive(Clone, Debug)]
@@ -55,57 +56,109 @@ const WORTHWHILE: f64 = 0.03;
 
 /// Chooses the integers, each time keeping the paths apart that collapsed before.
 ///
+/// Features that these integers would cut off are then given more quads, where all else stays met.
+///
 /// # Output     the free integers, and the report; where its `violated` is not 0, a map at these integers has folds, if
 /// only around the places that coincide
 /// # Errors     cancellation
 /// # Cost       k³ per round for k integers
-pub fn separate(
+pub(crate) fn separate(
     tmesh: &TMesh,
     sights: &[Sight],
+    curves: &[Curve],
     options: &SeparationOptions,
     problem: &IntegerProblem,
     solve: &SolveOptions,
 ) -> Result<(Vec<f64>, SeparationReport), SolveError> {
-    let differences: Vec<Difference> = sights.iter().filter_map(|sight| Difference::new(sight, problem)).collect();
-    let lengths = Lengths::new(tmesh, problem);
-    // 1. No arc is reversed.
-    let mut conditions = Conditions::of_arcs(tmesh, &lengths);
+    let separation = Separation {
+        tmesh,
+        differences: sights.iter().filter_map(|sight| Difference::new(sight, problem)).collect(),
+        lengths: Lengths::new(tmesh, problem),
+        options,
+        problem,
+        solve,
+    };
+    // 1. No arc is reversed, no two places that must differ coincide.
+    let mut conditions = Conditions::of_arcs(tmesh, &separation.lengths);
     let mut report = SeparationReport { arcs: tmesh.arcs.len(), ..Default::default() };
     let mut z = conditions.round(problem, solve)?;
-    let mut improvements = options.improvements;
-    while report.rounds < options.rounds {
-        report.rounds += 1;
-        report.prescribed = conditions.prescribed();
-        // 2. Missed rows: single integers jump; where that does not help, all are chosen again with a margin.
-        let missed = conditions.missed(&z);
-        report.violated = missed.len();
-        if !missed.is_empty() {
-            if !conditions.mend(&mut z, problem, solve)? && !conditions.widen(&mut z, problem, solve)? {
-                break;
-            }
-            continue;
-        }
-        // 3. No path between places that must differ collapses.
-        let collapsed = collapsed_paths(tmesh, &lengths.values(&z));
-        let coincident: Vec<&Difference> = differences.iter().filter(|d| d.is_zero(&z)).collect();
-        report.violated = collapsed.len() + coincident.len();
-        if report.violated > 0 {
-            let apart = coincident.iter().map(|d| d.apart());
-            if !conditions.add(collapsed.iter().filter_map(|path| lengths.bound(path, 1.0)).chain(apart)) {
-                break;
-            }
-            continue;
-        }
-        // 4. Under all of them, few integers at a time are chosen better; what that changes is looked at again.
-        if improvements == 0 {
+    separation.settle(&mut conditions, &mut z, &mut report)?;
+    // 2. Wishes: taken where the rows can all be met with them.
+    for _ in 0..MOST_WISHES {
+        let wishes: Vec<LowerBound> = curves.iter().filter_map(|curve| curve.wish(&z)).collect();
+        let mut wished = conditions.clone();
+        if report.violated > 0 || wishes.is_empty() || !wished.add(wishes.into_iter()) {
             break;
         }
-        let before = problem.excess(&z);
-        conditions.improve(&mut z, problem, solve)?;
-        let gained = before - problem.excess(&z);
-        improvements = if gained > WORTHWHILE * before { improvements - 1 } else { 0 };
+        let (mut other, mut then) = (z.clone(), report.clone());
+        separation.settle(&mut wished, &mut other, &mut then)?;
+        if then.violated > 0 {
+            break;
+        }
+        (conditions, z, report) = (wished, other, then);
     }
     Ok((z, report))
+}
+
+/// Rounds of wishes: what gives one curve more quads may take them from another.
+const MOST_WISHES: u32 = 3;
+
+/// What separation goes by.
+struct Separation<'a> {
+    tmesh: &'a TMesh,
+    differences: Vec<Difference>,
+    lengths: Lengths,
+    options: &'a SeparationOptions,
+    problem: &'a IntegerProblem<'a>,
+    solve: &'a SolveOptions<'a>,
+}
+
+impl Separation<'_> {
+    /// Changes integers and adds conditions until all are met, or none can be.
+    fn settle(
+        &self,
+        conditions: &mut Conditions,
+        z: &mut Vec<f64>,
+        report: &mut SeparationReport,
+    ) -> Result<(), SolveError> {
+        let Self { tmesh, differences, lengths, options, problem, solve } = self;
+        let mut improvements = options.improvements;
+        let mut rounds = 0;
+        while rounds < options.rounds {
+            rounds += 1;
+            report.rounds += 1;
+            report.prescribed = conditions.prescribed();
+            // 1. Missed rows: single integers jump; where that does not help, all are chosen again with a margin.
+            let missed = conditions.missed(z);
+            report.violated = missed.len();
+            if !missed.is_empty() {
+                if !conditions.mend(z, problem, solve)? && !conditions.widen(z, problem, solve)? {
+                    break;
+                }
+                continue;
+            }
+            // 2. No path between places that must differ collapses.
+            let collapsed = collapsed_paths(tmesh, &lengths.values(z));
+            let coincident: Vec<&Difference> = differences.iter().filter(|d| d.is_zero(z)).collect();
+            report.violated = collapsed.len() + coincident.len();
+            if report.violated > 0 {
+                let apart = coincident.iter().map(|d| d.apart());
+                if !conditions.add(collapsed.iter().filter_map(|path| lengths.bound(path, 1.0)).chain(apart)) {
+                    break;
+                }
+                continue;
+            }
+            // 3. Under all of them, few integers at a time are chosen better; what that changes is looked at again.
+            if improvements == 0 {
+                break;
+            }
+            let before = problem.excess(z);
+            conditions.improve(z, problem, solve)?;
+            let gained = before - problem.excess(z);
+            improvements = if gained > WORTHWHILE * before { improvements - 1 } else { 0 };
+        }
+        Ok(())
+    }
 }
 
 /// Paths of zero arcs that join two places which must differ.

@@ -44,6 +44,17 @@ pub struct TMesh {
     pub pinned: Vec<bool>,
     /// Number of nodes that are integer vertices.
     pub vertices: usize,
+    /// Features from one integer vertex to the next, and those without any once around; each as seen from both sides.
+    pub curves: Vec<Curve>,
+}
+
+/// A feature from one integer vertex to the next, or once around.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// Its sides, one after the other.
+    pub sides: Vec<HalfEdgeId>,
+    /// Length in variables of [`crate::problem`].
+    pub form: Form,
 }
 
 impl TMesh {
@@ -144,6 +155,7 @@ struct Tracer<'a> {
     node_of: quadloom_mesh::VertexMap<u32>,
     feature_side: HalfEdgeMap<Option<Passage>>,
     passages: FaceMap<Vec<Passage>>,
+    curves: Vec<Curve>,
     /// (distance so far, line, face, entered through; `None` at the source).
     queue: BinaryHeap<Reverse<(i64, u32)>>,
     state: Vec<Option<(Passage, FaceId, Option<HalfEdgeId>)>>,
@@ -173,6 +185,7 @@ impl<'a> Tracer<'a> {
             node_of,
             feature_side: HalfEdgeMap::filled(mesh.half_edge_count(), None),
             passages: FaceMap::filled(mesh.face_count(), Vec::new()),
+            curves: Vec::new(),
             queue: BinaryHeap::new(),
             state: Vec::new(),
         }
@@ -236,14 +249,18 @@ impl<'a> Tracer<'a> {
         let place = self.new_place(first);
         let mut passage =
             Passage { line, direction: self.side_direction(first), source: self.map.uv[first], place, end: i64::MAX };
-        let mut h = first;
+        let (mut h, mut sides) = (first, Vec::new());
         loop {
             self.feature_side[h] = Some(passage);
+            sides.push(h);
             let v = mesh.target(h);
             if self.charts.is_integer[v] {
                 let corner = mesh.next(h);
                 let end = self.new_place(corner);
                 let junction = self.along(&passage, self.map.uv[corner], end, self.node_of[v]);
+                if start.is_some() {
+                    self.curves.push(Curve { sides, form: junction.form.clone() });
+                }
                 self.lines[line as usize].end = Some(junction);
                 return;
             }
@@ -256,6 +273,10 @@ impl<'a> Tracer<'a> {
             }
             h = g;
             if self.feature_side[h].is_some() {
+                if h == first {
+                    let around = self.along(&passage, self.map.uv[h], place, u32::MAX);
+                    self.curves.push(Curve { sides, form: around.form });
+                }
                 return;
             }
         }
@@ -517,7 +538,7 @@ impl<'a> Tracer<'a> {
             }
         }
         let vertices = self.node_of.values().iter().filter(|&&n| n != u32::MAX).count();
-        TMesh { arcs, pinned: self.pinned, vertices }
+        TMesh { arcs, pinned: self.pinned, vertices, curves: self.curves }
     }
 }
 
