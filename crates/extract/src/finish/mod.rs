@@ -25,7 +25,7 @@ use quadloom_mesh::{Cancelled, MeshError, Progress, QuadMesh};
 use release::{release_around, release_single};
 use serde::{Deserialize, Serialize};
 use spread::spread_along_curves;
-use state::State;
+use state::{State, mean_edge};
 use sweep::{Aim, sweep};
 use ties::Ties;
 use tips::reach_tips;
@@ -172,7 +172,7 @@ pub fn finish(
     progress: &Progress,
 ) -> Result<Finished, FinishError> {
     progress.check()?;
-    let edge = mean_edge(&quads.mesh);
+    let edge = mean_edge(&quads.mesh, quads.mesh.positions());
     let mut report = FinishReport::default();
     // 1. Onto the input.
     let ties = Ties::new(quads, reference, edge);
@@ -188,6 +188,7 @@ pub fn finish(
     let aim = Aim { stretch_kept: options.stretch_kept, laplacian: options.laplacian, shortest_step };
     let settled = options.settled_rel * edge;
     report.sweeps += sweep_until(&mut state, aim, settled, options.sweeps, progress)?;
+    state.settle();
     // 4. Joints of coarse curves get a vertex, to which the others adapt.
     for sweeps in SWEEPS_AFTER_JOINTS {
         let pinned = settle_on_joints(&mut state, edge, JOINT_FLOOR, aim, progress)?;
@@ -278,15 +279,4 @@ fn sweep_until(
         }
     }
     Ok(sweeps)
-}
-
-fn mean_edge(mesh: &QuadMesh) -> f64 {
-    let total: f64 = mesh
-        .edges()
-        .map(|e| {
-            let [a, b] = mesh.ends(e).map(|v| mesh.position(v));
-            a.distance(b)
-        })
-        .sum();
-    total / mesh.edge_count().max(1) as f64
 }

@@ -31,6 +31,18 @@ const CLEARLY_FACING: f64 = 0.25;
 /// one that is degenerate, as the points may be nearest to the other side of a thin sheet.
 const UNCLEAR: f64 = 0.0;
 
+/// Distance from home to which single moves take a vertex, relative to its longest edge or the mean one.
+///
+/// Smaller: quads of a bunched fold are not pulled apart; larger: sheets that lie near are reached.
+const HOME_REL: f64 = 2.0;
+
+/// Mean length of edges between some positions.
+pub(crate) fn mean_edge(quads: &QuadMesh, position: &VertexMap<DVec3>) -> f64 {
+    let length = |[a, b]: [VertexId; 2]| position[a].distance(position[b]);
+    let total: f64 = quads.edges().map(|e| length(quads.ends(e))).sum();
+    total / quads.edge_count().max(1) as f64
+}
+
 /// Positions, ties and quality of a quad mesh on its way.
 pub(crate) struct State<'a> {
     pub quads: &'a QuadMesh,
@@ -42,6 +54,8 @@ pub(crate) struct State<'a> {
     pub pinned: VertexMap<bool>,
     /// Vertices that left their corner or curve, and where they were.
     pub left: Vec<(VertexId, Move)>,
+    /// Where vertices are at home, and how far from there single moves may take them.
+    home: VertexMap<(DVec3, f64)>,
     /// Quality of each quad: its scaled Jacobian; negative where it faces against the surface.
     pub quality: Vec<f64>,
     /// Whether quads face along the surface where its normals at their corners say so clearly, or that at their centre.
@@ -58,13 +72,32 @@ impl<'a> State<'a> {
         let tie = VertexMap::from_fn(quads.vertex_count(), |v| wanted[v].off_surface());
         let pinned = VertexMap::filled(quads.vertex_count(), false);
         let (left, quality) = (Vec::new(), Vec::new());
-        let mut state = Self { quads, reference, position, tie, along, pinned, left, quality, trusting: true };
+        let home = VertexMap::filled(quads.vertex_count(), (DVec3::ZERO, f64::INFINITY));
+        let mut state = Self { quads, reference, position, tie, along, pinned, left, home, quality, trusting: true };
         state.quality = (0..quads.face_count()).into_par_iter().map(|f| state.measure(FaceId::new(f))).collect();
         let bad = state.bad_quads();
         let moves: Vec<Option<Move>> =
             quads.vertices().map(|v| Some(Move { position: tied[v], tie: wanted[v] })).collect();
         state.advance(&moves, PROJECTED_FLOOR);
+        state.settle();
         (state, bad)
+    }
+
+    /// Vertices are at home where they are: single moves stay within a few edges, so that one at a quad without a cure
+    /// does not run away across the surface.
+    pub fn settle(&mut self) {
+        let mean = mean_edge(self.quads, &self.position);
+        self.home = VertexMap::from_fn(self.quads.vertex_count(), |v| {
+            let p = self.position[v];
+            let longest = self.quads.neighbours(v).map(|w| self.position[w].distance(p)).fold(mean, f64::max);
+            (p, HOME_REL * longest)
+        });
+    }
+
+    /// Whether a single move may take a vertex to a place.
+    pub fn is_near_home(&self, v: VertexId, place: DVec3) -> bool {
+        let (home, reach) = self.home[v];
+        place.distance(home) <= reach
     }
 
     /// From now on looks at the surface between the corners of all quads.

@@ -181,7 +181,7 @@ fn improve(state: &mut State, v: VertexId, faces: &[FaceId], reach: Reach) -> bo
         }
         let beside = Move { position: start.position + displacement, tie: start.tie.off_surface() };
         let there = if lifted { Some(beside) } else { state.displaced(v, displacement, normal) };
-        let Some(there) = there else { continue };
+        let Some(there) = there.filter(|there| state.is_near_home(v, there.position)) else { continue };
         state.put(v, there);
         let found = state.worst_above(faces, best_worst + LEAST_GAIN);
         if found > best_worst + LEAST_GAIN {
