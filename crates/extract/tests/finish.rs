@@ -241,3 +241,31 @@ proptest! {
         prop_assert!(after.scaled_jacobian_mean >= start.scaled_jacobian_mean - 1e-3);
     }
 }
+
+/// A patch of quads that came as its mirror image has no cure by single vertices; some of them went ever farther.
+#[test]
+fn vertices_do_not_run_away_from_quads_without_a_cure() {
+    for (seed, radius) in [(1, 1.6), (2, 2.6), (3, 3.2)] {
+        let model = sheet(seed);
+        let mut quads = extract(&model.mesh, &model.map, &model.features, &Progress::none()).unwrap();
+        let reference = Reference::new(&model.mesh, &model.features);
+        let centre = reference.closest.query(DVec3::new(8.0, 4.5, 2.8)).position;
+        let mirrored = |p: DVec3| {
+            if p.distance(centre) < radius { 2.0 * centre - p + (p - centre) * DVec3::new(0.0, 2.0, 0.0) } else { p }
+        };
+        let positions = quads.mesh.positions().map(|&p| reference.closest.query(mirrored(p)).position);
+        quads.mesh = quads.mesh.with_positions(positions).unwrap();
+        let finished = finish(&quads, &reference, &FinishOptions::default(), &Progress::none()).unwrap();
+        let longest = |positions: &VertexMap<DVec3>| {
+            quads
+                .mesh
+                .edges()
+                .map(|e| quads.mesh.ends(e))
+                .map(|[a, b]| positions[a].distance(positions[b]))
+                .fold(0.0, f64::max)
+        };
+        let (before, after) = (longest(quads.mesh.positions()), longest(finished.mesh.positions()));
+        // Without a limit it grows to four times its length on the second one; both ends may go twice their mean edge.
+        assert!(after < 2.5 * before, "{seed}: {before} {after}");
+    }
+}

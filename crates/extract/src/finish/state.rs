@@ -31,7 +31,7 @@ const CLEARLY_FACING: f64 = 0.25;
 /// one that is degenerate, as the points may be nearest to the other side of a thin sheet.
 const UNCLEAR: f64 = 0.0;
 
-/// Distance from home to which single moves take a vertex, relative to its longest edge or the mean one.
+/// Distance from home to which single moves take a vertex, relative to the mean of its edges or of all.
 ///
 /// Smaller: quads of a bunched fold are not pulled apart; larger: sheets that lie near are reached.
 const HOME_REL: f64 = 2.0;
@@ -89,8 +89,9 @@ impl<'a> State<'a> {
         let mean = mean_edge(self.quads, &self.position);
         self.home = VertexMap::from_fn(self.quads.vertex_count(), |v| {
             let p = self.position[v];
-            let longest = self.quads.neighbours(v).map(|w| self.position[w].distance(p)).fold(mean, f64::max);
-            (p, HOME_REL * longest)
+            let (sum, count) =
+                self.quads.neighbours(v).fold((0.0, 0.0), |(sum, n), w| (sum + self.position[w].distance(p), n + 1.0));
+            (p, HOME_REL * f64::max(mean, sum / count))
         });
     }
 
