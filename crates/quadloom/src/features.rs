@@ -47,7 +47,7 @@ const BOUNDARY_REACH_REL: f64 = 1.0;
 pub struct FeatureRequest {
     /// Dihedral angle from which an edge is sharp, degrees; `None`: none is.
     pub sharp_angle: Option<f64>,
-    /// Ends of edges that are named.
+    /// Ends of edges that are named; pairs that are no edge are ignored.
     pub edges: Vec<[VertexId; 2]>,
     /// Curves near the surface.
     pub guides: Vec<Vec<DVec3>>,
@@ -60,8 +60,6 @@ pub struct Features {
     pub graph: FeatureGraph,
     /// Sharp edges in loose chains that were dropped.
     pub dropped_edges: usize,
-    /// Named edges that are not edges of the mesh.
-    pub missing_edges: usize,
 }
 
 /// Finds the features of a component.
@@ -91,7 +89,7 @@ pub fn find_features(mesh: &TriMesh, request: &FeatureRequest, size: f64) -> Fea
     };
     let (mut graph, dropped_edges) = FeatureGraph::from_kinds(mesh, kind.clone(), &options);
     if request.edges.is_empty() && request.guides.is_empty() {
-        return Features { graph, dropped_edges, missing_edges: 0 };
+        return Features { graph, dropped_edges };
     }
     for (e, chain) in graph.chain_of.iter() {
         if chain.is_none() {
@@ -99,19 +97,15 @@ pub fn find_features(mesh: &TriMesh, request: &FeatureRequest, size: f64) -> Fea
         }
     }
     // 3. Named edges and drawn curves.
-    let mut missing_edges = 0;
-    for &[a, b] in &request.edges {
-        match mesh.find_edge(a, b) {
-            Some(e) => kind[e] = kind[e].or(Some(FeatureKind::Sharp)),
-            None => missing_edges += 1,
-        }
+    for e in request.edges.iter().filter_map(|&[a, b]| mesh.find_edge(a, b)) {
+        kind[e] = kind[e].or(Some(FeatureKind::Sharp));
     }
     for e in trace_guides(mesh, &request.guides) {
         kind[e] = kind[e].or(Some(FeatureKind::Guide));
     }
     let options = FeatureOptions { boundary_reach: BOUNDARY_REACH_REL * size, ..FeatureOptions::default() };
     graph = FeatureGraph::from_kinds(mesh, kind, &options).0;
-    Features { graph, dropped_edges, missing_edges }
+    Features { graph, dropped_edges }
 }
 
 /// The same chains, ids included, with those of the boundary no longer binding.

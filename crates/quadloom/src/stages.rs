@@ -235,9 +235,15 @@ pub fn integer_grid_map(
     };
     let options = ParamOptions { method, ..ParamOptions::default() };
     let mut first_error = None;
+    let mut begun = 0;
+    let mut begin = || {
+        progress.report("integer-grid map", begun as f64 / (PREVIEWS + COUNT_SOLVES) as f64);
+        begun += 1;
+    };
     // 1. A size whose rounded map has about the count: repairs cost more and change it little.
     let preview = CountGoal { tolerance: 0.5 * goal.tolerance, solves: PREVIEWS, ..goal };
     let rounded = fit_count(preview, edge_length, |edge| {
+        begin();
         let rounded = parametrizer.rounded(&size.scaled(edge), &options, progress);
         made(rounded.map(|map| Tried { quads: map.area, solution: map, flaws: 0 }), &mut first_error)
     })?;
@@ -246,6 +252,7 @@ pub fn integer_grid_map(
     let mut first = rounded.map(|r| r.solution);
     // 2. Maps without folds, with small corrections.
     let fitted = fit_count(goal, edge_length, |edge| {
+        begin();
         solves += 1;
         if solves > 1 && progress.spent() > request.most_effort {
             return Ok(None);
