@@ -1,8 +1,8 @@
 //! Separation: integers under which no arc of the motorcycle graph is reversed and no two fixed places coincide.
 //!
-//! In: the arcs of a fold-free seamless map, what its integer vertices see, and the map's integers with their energy. Out: integers that admit a
-//! fold-free map, or the number of conditions that could not be met. Holds on success: every arc is non-negative, no
-//! path of zero arcs joins two integer vertices or features.
+//! In: the arcs of a fold-free seamless map, what its integer vertices see, its features' lengths, and the map's
+//! integers with their energy. Out: integers that admit a fold-free map, or the number of conditions that could not be
+//! met. Holds on success: every arc is non-negative, no path of zero arcs joins two integer vertices or features.
 //! Source: the validity conditions of [Campen2015] §4, as rows of the problem of [Bommes2012] §8.4: lengths of arcs are
 //! at least 0, and a path found to have collapsed is at least 1 long, which for arcs that are not negative is the same
 //! as one of them being so.
