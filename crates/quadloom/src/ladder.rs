@@ -62,10 +62,6 @@ impl Effort {
     }
 }
 
-/// Effort after which even the first attempt without the found sharp edges is not begun, in hundredths of the limit:
-/// attempts on rough surfaces take most of it each, and split triangles keep the edges.
-const LATE_REL: u64 = 125;
-
 /// Share of inverted triangles in a map beyond which other sizes of about the same will not help either.
 const HOPELESS_SHARE: f64 = 0.03;
 
@@ -99,7 +95,7 @@ impl Climb {
         }
         // Other features are worth a try even late: often it is one sharp edge that has no map.
         let first_without = gives_up && !self.gave_up_sharp;
-        if spent > if first_without { LATE_REL * self.most_effort / 100 } else { self.most_effort } {
+        if spent > if first_without { 2 * self.most_effort } else { self.most_effort } {
             self.cut_short = true;
             return false;
         }
@@ -109,6 +105,11 @@ impl Climb {
         }
         self.gave_up_sharp |= gives_up;
         true
+    }
+
+    /// Whether so much was spent that an attempt, should it fail, is the last one.
+    pub fn is_late(&self, spent: u64) -> bool {
+        spent > self.most_effort
     }
 
     /// Remembers how many triangles of an attempt's map were inverted.
@@ -143,8 +144,8 @@ mod tests {
         assert_eq!(begun(true, 0), [0, 1, 2, 3, 4]);
         // The third would be the first once more.
         assert_eq!(begun(false, 0), [0, 1, 3, 4]);
-        assert_eq!(begun(true, 12), [2]);
-        assert!(begun(false, 12).is_empty() && begun(true, 25).is_empty());
+        assert_eq!(begun(true, 15), [2]);
+        assert!(begun(false, 15).is_empty() && begun(true, 25).is_empty());
     }
 
     #[test]

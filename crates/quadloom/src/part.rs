@@ -22,6 +22,7 @@ use quadloom_extract::{Distances, Extraction, FinishError, FinishOptions, Finish
 use quadloom_field::{CrossField, Transport};
 use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, QuadMesh, TriMesh};
 use quadloom_param::{RelocationReport, Tie};
+use std::time::Instant;
 
 /// What is asked of one connected surface.
 #[derive(Clone, Debug)]
@@ -101,12 +102,22 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
     let [found, named] = run.features();
     run.climb = Climb::new(found.graph.edge_count() > named.graph.edge_count(), run.most_effort());
     let mut failure = no_result("remesh", "no attempt was made");
+    let mut spare = None;
     for (attempt, rung) in LADDER.iter().enumerate().take(request.attempts) {
         if !run.climb.begins(rung, run.progress.spent()) {
             continue;
         }
         let features = if rung.sharp { &found } else { &named };
-        match run.attempt(rung, features) {
+        let attempted = if run.climb.is_late(run.progress.spent()) && options.fallback == Fallback::Split {
+            // Nothing else is tried if this fails: what is left then is made beside it.
+            let split = run.splitting(&found);
+            let (attempted, quads) = rayon::join(|| run.attempt(rung, features), split);
+            spare = Some(quads);
+            attempted
+        } else {
+            run.attempt(rung, features)
+        };
+        match attempted {
             Ok(mut passed) => {
                 passed.attempt = attempt;
                 let Some(doubt) = passed.doubt() else { return Ok(run.accept(passed, &found)) };
@@ -131,7 +142,8 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
     match options.fallback {
         Fallback::Off => Err(failure),
         Fallback::Split => {
-            let (quads, distances) = run.split(&found, &failure)?;
+            let made = spare.unwrap_or_else(run.splitting(&found));
+            let (quads, distances) = run.split(made, &found, &failure)?;
             Ok(run.part(quads, found, None, LADDER.len(), distances))
         }
     }
@@ -436,20 +448,31 @@ impl<'a> Run<'a> {
         Ok((distances, unclear))
     }
 
+    /// What makes quads of split triangles, and says how long it took; its effort is counted by itself.
+    fn splitting<'b>(&self, features: &'b Features) -> impl FnOnce() -> Split + Send + use<'a, 'b> {
+        let Self { request, options, progress, .. } = *self;
+        let goal = count_goal(request.quads as f64, options);
+        move || {
+            let begun = Instant::now();
+            let quads = split_surface(request.mesh, &features.graph, goal, &progress.counting_anew());
+            Split { quads, seconds: begun.elapsed().as_secs_f64() }
+        }
+    }
+
     /// Split triangles, verified.
     fn split(
         &mut self,
+        made: Split,
         features: &Features,
         failure: &RemeshError,
     ) -> Result<(QuadMesh, Option<Distances>), RemeshError> {
-        let Self { request, options, progress, .. } = *self;
-        let goal = count_goal(request.quads as f64, options);
-        let split = || split_surface(request.mesh, &features.graph, goal, progress);
+        let Self { request, .. } = *self;
         let because = |e: RemeshError| match e {
             RemeshError::NoResult { why, .. } => no_result("split", format!("{why}; before that, {failure}")),
             other => other,
         };
-        let quads = self.seconds.time("split", split).map_err(because)?;
+        self.seconds.add("split", made.seconds);
+        let quads = made.quads.map_err(because)?;
         let reference = Reference::new(request.mesh, &features.graph);
         let (distances, unclear) = self.checked(&quads, &reference).map_err(because)?;
         self.warnings.extend(unclear);
@@ -470,6 +493,12 @@ impl<'a> Run<'a> {
         let diagonal = request.mesh.diagonal();
         Part { quads, area, diagonal, features, solution, attempt, solves, distances, warnings, seconds }
     }
+}
+
+/// Quads of split triangles.
+struct Split {
+    quads: Result<QuadMesh, RemeshError>,
+    seconds: f64,
 }
 
 /// Smoothing on the input.

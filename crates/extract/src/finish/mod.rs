@@ -172,111 +172,178 @@ pub fn finish(
     progress: &Progress,
 ) -> Result<Finished, FinishError> {
     progress.check()?;
-    let edge = mean_edge(&quads.mesh, quads.mesh.positions());
-    let mut report = FinishReport::default();
     // 1. Onto the input.
-    let ties = Ties::new(quads, reference, edge);
-    report.mismatched = ties.mismatched;
-    let (mut state, bad_before) = State::new(&quads.mesh, reference, ties);
-    report.bad_before = bad_before;
+    let mut run = Run::new(quads, reference, options, progress);
     // 2. What is inverted is cured first: sweeps only keep what is good.
-    if state.bad_quads() > 0 {
-        report.single_moves += improve_worst(&mut state, LEAST_QUALITY, options.rounds, progress)?;
-    }
+    run.cure_inverted()?;
     // 3. Sweeps.
-    let shortest_step = SHORTEST_STEP_REL * options.settled_rel * edge;
-    let aim = Aim { stretch_kept: options.stretch_kept, laplacian: options.laplacian, shortest_step };
-    let settled = options.settled_rel * edge;
-    report.sweeps += sweep_until(&mut state, aim, settled, options.sweeps, progress)?;
-    state.settle();
+    run.sweep(options.sweeps)?;
+    run.state.settle();
     // 4. Joints of coarse curves get a vertex, to which the others adapt.
-    for sweeps in SWEEPS_AFTER_JOINTS {
-        let pinned = settle_on_joints(&mut state, edge, JOINT_FLOOR, aim, progress)?;
-        report.pinned += pinned;
-        if pinned == 0 {
-            break;
-        }
-        report.sweeps += sweep_until(&mut state, aim, settled, options.sweeps.min(sweeps), progress)?;
-    }
+    run.settle_on_joints()?;
     // 5. The worst ones by themselves.
-    report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
-    state.project_all();
+    run.improve_poor()?;
     // 6. Tips that stick out of the quads.
-    for _ in 0..TIP_ROUNDS {
-        let moved = reach_tips(&mut state, edge)?;
-        report.tips += moved;
-        if moved == 0 {
-            break;
-        }
-        report.sweeps += sweep_until(&mut state, aim, settled, options.sweeps.min(SWEEPS_AFTER_TIPS), progress)?;
-    }
-    if report.tips > 0 {
-        report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
-        state.project_all();
-    }
+    run.reach_tips()?;
     // 7. Sharp edges that are no features.
-    if let Some(angle) = options.crease_angle {
-        report.creased = follow_creases(&mut state, angle, edge, aim, progress)?;
-    }
-    if report.creased > 0 {
-        report.sweeps += sweep_until(&mut state, aim, settled, options.sweeps.min(SWEEPS_AFTER_PINNING), progress)?;
-        report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
-        state.project_all();
-    }
+    run.follow_creases()?;
     // 8. Joints that are cut off still.
-    let pinned = settle_on_joints(&mut state, edge, LAST_JOINT_FLOOR, aim, progress)?;
-    if pinned > 0 {
-        report.pinned += pinned;
-        report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
-    }
+    run.settle_on_last_joints()?;
     // 9. Curves whose chords cut much off in spite of all that.
-    report.spread = spread_along_curves(&mut state, edge, SPREAD_FLOOR, progress)?;
-    if report.spread > 0 {
-        report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
-        state.project_all();
-    }
-    // 10. A feature is given up where it alone keeps a quad inverted: by single vertices first, then around the quad.
-    if options.release && state.bad_quads() > 0 {
-        report.released += release_single(&mut state);
-        report.single_moves += improve_worst(&mut state, LEAST_QUALITY, options.rounds, progress)?;
-    }
-    for rings in 0..RELEASE_RINGS {
-        if !options.release || state.bad_quads() == 0 {
-            break;
-        }
-        report.released += release_around(&mut state, rings);
-        report.single_moves += improve_worst(&mut state, options.poor, options.rounds, progress)?;
+    run.spread_along_curves()?;
+    // 10. A feature is given up where it alone keeps a quad inverted.
+    if options.release {
+        run.release()?;
     }
     // 11. So is the surface itself.
-    state.distrust_corners();
-    if state.bad_quads() > 0 {
-        report.lifted = improve_beside(&mut state, LEAST_QUALITY, options.rounds, progress)?;
-    }
-    report.released_farthest = state.farthest_left() / edge.max(f64::MIN_POSITIVE);
-    report.bad_after = state.bad_quads();
-    let mesh = quads.mesh.with_positions(state.position)?;
+    run.leave_surface()?;
     progress.report("finish", 1.0);
-    Ok(Finished { mesh, report })
+    run.finished()
+}
+
+/// Finishing on its way.
+struct Run<'a> {
+    state: State<'a>,
+    /// Mean length of the quads' edges as they came, file units.
+    edge: f64,
+    aim: Aim,
+    options: &'a FinishOptions,
+    report: FinishReport,
+    progress: &'a Progress,
+}
+
+impl<'a> Run<'a> {
+    fn new(
+        quads: &'a Extraction,
+        reference: &'a Reference,
+        options: &'a FinishOptions,
+        progress: &'a Progress,
+    ) -> Self {
+        let edge = mean_edge(&quads.mesh, quads.mesh.positions());
+        let ties = Ties::new(quads, reference, edge);
+        let mismatched = ties.mismatched;
+        let (state, bad_before) = State::new(&quads.mesh, reference, ties);
+        let shortest_step = SHORTEST_STEP_REL * options.settled_rel * edge;
+        let aim = Aim { stretch_kept: options.stretch_kept, laplacian: options.laplacian, shortest_step };
+        let report = FinishReport { mismatched, bad_before, ..FinishReport::default() };
+        Self { state, edge, aim, options, report, progress }
+    }
+
+    /// Sweeps until no vertex moves far, at most so many times.
+    fn sweep(&mut self, sweeps: usize) -> Result<(), Cancelled> {
+        for k in 0..sweeps {
+            self.progress.check()?;
+            self.progress.report("finish", k as f64 / sweeps as f64);
+            self.progress.spend(SWEEP_EFFORT * self.state.quads.vertex_count());
+            self.report.sweeps += 1;
+            if sweep(&mut self.state, self.aim) < self.options.settled_rel * self.edge {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Improves quads below a threshold one by one.
+    fn improve(&mut self, threshold: f64) -> Result<(), Cancelled> {
+        self.report.single_moves += improve_worst(&mut self.state, threshold, self.options.rounds, self.progress)?;
+        Ok(())
+    }
+
+    /// Improves poor quads one by one; vertices that were off the surface for their sake come back.
+    fn improve_poor(&mut self) -> Result<(), Cancelled> {
+        self.improve(self.options.poor)?;
+        self.state.project_all();
+        Ok(())
+    }
+
+    fn cure_inverted(&mut self) -> Result<(), Cancelled> {
+        if self.state.bad_quads() > 0 {
+            self.improve(LEAST_QUALITY)?;
+        }
+        Ok(())
+    }
+
+    fn settle_on_joints(&mut self) -> Result<(), Cancelled> {
+        for sweeps in SWEEPS_AFTER_JOINTS {
+            let pinned = settle_on_joints(&mut self.state, self.edge, JOINT_FLOOR, self.aim, self.progress)?;
+            self.report.pinned += pinned;
+            if pinned == 0 {
+                break;
+            }
+            self.sweep(self.options.sweeps.min(sweeps))?;
+        }
+        Ok(())
+    }
+
+    fn reach_tips(&mut self) -> Result<(), FinishError> {
+        for _ in 0..TIP_ROUNDS {
+            let moved = reach_tips(&mut self.state, self.edge)?;
+            self.report.tips += moved;
+            if moved == 0 {
+                break;
+            }
+            self.sweep(self.options.sweeps.min(SWEEPS_AFTER_TIPS))?;
+        }
+        if self.report.tips > 0 {
+            self.improve_poor()?;
+        }
+        Ok(())
+    }
+
+    fn follow_creases(&mut self) -> Result<(), FinishError> {
+        if let Some(angle) = self.options.crease_angle {
+            self.report.creased = follow_creases(&mut self.state, angle, self.edge, self.aim, self.progress)?;
+        }
+        if self.report.creased > 0 {
+            self.sweep(self.options.sweeps.min(SWEEPS_AFTER_PINNING))?;
+            self.improve_poor()?;
+        }
+        Ok(())
+    }
+
+    fn settle_on_last_joints(&mut self) -> Result<(), Cancelled> {
+        let pinned = settle_on_joints(&mut self.state, self.edge, LAST_JOINT_FLOOR, self.aim, self.progress)?;
+        self.report.pinned += pinned;
+        if pinned > 0 { self.improve(self.options.poor) } else { Ok(()) }
+    }
+
+    fn spread_along_curves(&mut self) -> Result<(), Cancelled> {
+        self.report.spread = spread_along_curves(&mut self.state, self.edge, SPREAD_FLOOR, self.progress)?;
+        if self.report.spread > 0 { self.improve_poor() } else { Ok(()) }
+    }
+
+    /// Vertices leave their feature: single ones first, then all around an inverted quad.
+    fn release(&mut self) -> Result<(), Cancelled> {
+        if self.state.bad_quads() > 0 {
+            self.report.released += release_single(&mut self.state);
+            self.improve(LEAST_QUALITY)?;
+        }
+        for rings in 0..RELEASE_RINGS {
+            if self.state.bad_quads() == 0 {
+                break;
+            }
+            self.report.released += release_around(&mut self.state, rings);
+            self.improve(self.options.poor)?;
+        }
+        Ok(())
+    }
+
+    fn leave_surface(&mut self) -> Result<(), Cancelled> {
+        self.state.distrust_corners();
+        if self.state.bad_quads() > 0 {
+            self.report.lifted = improve_beside(&mut self.state, LEAST_QUALITY, self.options.rounds, self.progress)?;
+        }
+        Ok(())
+    }
+
+    fn finished(self) -> Result<Finished, FinishError> {
+        let Self { state, edge, mut report, .. } = self;
+        report.released_farthest = state.farthest_left() / edge.max(f64::MIN_POSITIVE);
+        report.bad_after = state.bad_quads();
+        let mesh = state.quads.with_positions(state.position)?;
+        Ok(Finished { mesh, report })
+    }
 }
 
 /// Effort of a sweep, per vertex.
 const SWEEP_EFFORT: usize = 4;
-
-/// Sweeps until no vertex moves farther than `settled`; returns how many sweeps.
-fn sweep_until(
-    state: &mut State,
-    aim: Aim,
-    settled: f64,
-    sweeps: usize,
-    progress: &Progress,
-) -> Result<usize, Cancelled> {
-    for k in 0..sweeps {
-        progress.check()?;
-        progress.report("finish", k as f64 / sweeps as f64);
-        progress.spend(SWEEP_EFFORT * state.quads.vertex_count());
-        if sweep(state, aim) < settled {
-            return Ok(k + 1);
-        }
-    }
-    Ok(sweeps)
-}
