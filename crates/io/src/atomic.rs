@@ -83,7 +83,7 @@ impl Batch {
 /// # Input      the path, its folder must exist; a function that writes the content
 /// # Output     the file, with the permissions of the file it replaces or those of any new file; links are followed
 /// # Errors     `NoFolder`, `WriteDenied` (also for a file marked read-only), `IsDirectory`, `Unwritable`
-/// # Guarantees the old file survives every failure, and no temporary file is left; devices and pipes are not replaced
+/// # Guarantees the old file survives every failure, and no temporary file is left; devices are not replaced, and named pipes are refused
 pub fn write_atomically(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), IoError> {
     let mut batch = Batch::new();
     batch.stage(path, content)?;
@@ -101,6 +101,9 @@ pub fn check_writable(path: &Path) -> Result<(), IoError> {
 fn staged(target: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Content> {
     let old = match fs::metadata(target) {
         Ok(old) if old.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+        Ok(old) if is_named_pipe(target, &old) => {
+            return Err(io::Error::other("it is a named pipe, which nobody may ever read; write to a file"));
+        }
         Ok(old) if !old.is_file() => {
             let mut bytes = Vec::new();
             content(&mut bytes)?;
@@ -116,6 +119,21 @@ fn staged(target: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>)
     content_of(temporary.as_file(), content)?;
     temporary.as_file().sync_all()?;
     Ok(Content::Temporary(temporary))
+}
+
+/// A pipe with a name of its own: opening it waits until somebody reads. Those of the shell (`>(…)`) have a reader, and
+/// are reached through `/dev`.
+fn is_named_pipe(target: &Path, metadata: &fs::Metadata) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        metadata.file_type().is_fifo() && !target.starts_with("/dev")
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = (target, metadata);
+        false
+    }
 }
 
 fn folder_of(target: &Path) -> PathBuf {
@@ -256,5 +274,14 @@ mod tests {
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
         write_atomically(Path::new("/dev/null"), |out| out.write_all(b"x")).unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+    #[cfg(unix)]
+    #[test]
+    fn a_named_pipe_is_refused_and_does_not_block() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let refused = write_atomically(&pipe, |out| out.write_all(b"x")).unwrap_err();
+        assert!(refused.to_string().contains("named pipe"), "{refused}");
     }
 }

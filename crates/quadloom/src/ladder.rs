@@ -73,6 +73,8 @@ pub(crate) struct Climb {
     most_effort: u64,
     /// Whether maps that give up the found sharp edges, and those that keep them, were inverted in many places.
     hopeless: [bool; 2],
+    /// Whether there was a map with the found sharp edges that had no fold.
+    sharp_fits: bool,
     /// Whether an attempt without the found sharp edges was begun.
     gave_up_sharp: bool,
     /// Whether one was left out for its effort.
@@ -83,7 +85,15 @@ pub(crate) struct Climb {
 
 impl Climb {
     pub fn new(any_sharp: bool, most_effort: u64) -> Self {
-        Self { any_sharp, most_effort, hopeless: [false; 2], gave_up_sharp: false, cut_short: false, reserve: None }
+        Self {
+            any_sharp,
+            most_effort,
+            hopeless: [false; 2],
+            sharp_fits: false,
+            gave_up_sharp: false,
+            cut_short: false,
+            reserve: None,
+        }
     }
 
     /// Whether an attempt is made, which then counts as begun.
@@ -93,8 +103,8 @@ impl Climb {
         if repeats_first || self.hopeless[usize::from(rung.sharp)] {
             return false;
         }
-        // Other features are worth a try even late: often it is one sharp edge that has no map.
-        let first_without = gives_up && !self.gave_up_sharp;
+        // Other features are worth a try even late, unless all had a map: often it is one sharp edge that has none.
+        let first_without = gives_up && !self.gave_up_sharp && !self.sharp_fits;
         if spent > if first_without { 2 * self.most_effort } else { self.most_effort } {
             self.cut_short = true;
             return false;
@@ -115,6 +125,7 @@ impl Climb {
     /// Remembers how many triangles of an attempt's map were inverted.
     pub fn folded(&mut self, rung: &Rung, inverted: usize, triangles: usize) {
         self.hopeless[usize::from(rung.sharp)] = inverted as f64 > HOPELESS_SHARE * triangles as f64;
+        self.sharp_fits |= rung.sharp && inverted == 0;
     }
 
     /// Remembers that no attempt with an attempt's features has room.
@@ -146,6 +157,16 @@ mod tests {
         assert_eq!(begun(false, 0), [0, 1, 3, 4]);
         assert_eq!(begun(true, 15), [2]);
         assert!(begun(false, 15).is_empty() && begun(true, 25).is_empty());
+    }
+
+    #[test]
+    fn sharp_edges_that_have_a_map_are_not_given_up_late() {
+        for (inverted, begins) in [(1, true), (0, false)] {
+            let mut climb = Climb::new(true, 10);
+            assert!(climb.begins(&LADDER[0], 0));
+            climb.folded(&LADDER[0], inverted, 1000);
+            assert_eq!(climb.begins(&LADDER[2], 15), begins);
+        }
     }
 
     #[test]

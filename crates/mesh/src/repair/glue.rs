@@ -15,6 +15,10 @@ const NONE: u32 = u32::MAX;
 /// Faces at one edge up to which partners are sought; more are all left open. Each pair of them is compared.
 const MAX_FACES_AT_EDGE: usize = 64;
 
+/// Cosine between the ways of two faces from their edge below which one goes straight on in the other, within twenty
+/// degrees.
+const STRAIGHT: f64 = -0.94;
+
 pub(super) fn glue(
     triangles: &Triangles,
     positions: &[DVec3],
@@ -48,6 +52,8 @@ struct Joint<'a> {
     partner: Vec<u32>,
     sides: ParitySets,
     dropped: Vec<bool>,
+    /// Whether triangles that share an edge with no third one all face alike as they came.
+    oriented: bool,
 }
 
 /// A side with its edge: by position, and by vertices.
@@ -68,6 +74,7 @@ impl<'a> Joint<'a> {
             partner: vec![NONE; 3 * count],
             sides: ParitySets::new(count),
             dropped: vec![false; count],
+            oriented: true,
         }
     }
 
@@ -126,13 +133,21 @@ impl<'a> Joint<'a> {
         Ok(())
     }
 
-    /// Joins the remaining sides of each edge, flattest pairs first: by vertices, then by position.
+    /// Joins the remaining sides of each edge: by vertices, then by position.
+    ///
+    /// Where the input is oriented, nothing is turned over for it: faces at an edge of more than two are joined as they
+    /// face, so that solids which touch along the edge stay solids.
     fn join_other_edges(&mut self, sides: &[Side], report: &mut RepairReport) {
+        let pairs = sides.chunk_by(|a, b| a.by_class == b.by_class).filter(|edge| edge.len() == 2);
+        self.oriented = pairs.into_iter().all(|edge| !self.same_direction(edge[0].side, edge[1].side));
         for edge in sides.chunk_by(|a, b| a.by_class == b.by_class) {
-            for group in edge.chunk_by(|a, b| a.by_vertex == b.by_vertex) {
-                self.join_flattest(group);
+            for group in edge.chunk_by(|a, b| a.by_vertex == b.by_vertex).chain([edge]) {
+                if self.oriented && edge.len() > 2 {
+                    self.join_alike(group);
+                } else {
+                    self.join_flattest(group);
+                }
             }
-            self.join_flattest(edge);
             let open = edge.iter().filter(|s| self.partner[s.side as usize] == NONE);
             if edge.len() > 2 {
                 for s in open {
@@ -142,18 +157,40 @@ impl<'a> Joint<'a> {
         }
     }
 
+    /// Joins free sides of a group, flattest pairs first.
     fn join_flattest(&mut self, group: &[Side]) {
+        self.join_by(group, |joint, s, r| Some(joint.away_from_edge(s).dot(joint.away_from_edge(r))));
+    }
+
+    /// Joins free sides of a group that face alike: those that go straight on, then corners of solids, the sharpest
+    /// first, then the others, the flattest first.
+    fn join_alike(&mut self, group: &[Side]) {
+        self.join_by(group, |joint, s, r| {
+            if joint.same_direction(s, r) {
+                return None;
+            }
+            let (to_s, to_r) = (joint.away_from_edge(s), joint.away_from_edge(r));
+            let turn = to_s.dot(to_r);
+            Some(match turn {
+                ..STRAIGHT => turn,
+                _ if to_r.dot(joint.normal(s)) < 0.0 => 2.0 - turn,
+                _ => 5.0 + turn,
+            })
+        });
+    }
+
+    /// Joins free sides of a group, pairs of the smallest cost first; `None` is never joined.
+    fn join_by(&mut self, group: &[Side], cost: impl Fn(&Self, u32, u32) -> Option<f64>) {
         let free: Vec<u32> = group.iter().map(|s| s.side).filter(|&s| self.partner[s as usize] == NONE).collect();
         if free.len() < 2 || free.len() > MAX_FACES_AT_EDGE {
             return;
         }
-        let away: Vec<DVec3> = free.iter().map(|&s| self.away_from_edge(s)).collect();
         let mut pairs = Vec::new();
-        for i in 0..free.len() {
-            for j in i + 1..free.len() {
+        for (i, &s) in free.iter().enumerate() {
+            for &r in &free[i + 1..] {
                 // Never back to back: that would close a pocket without a volume.
-                if self.class_of(self.apex(free[i])) != self.class_of(self.apex(free[j])) {
-                    pairs.push((away[i].dot(away[j]), free[i], free[j]));
+                if self.class_of(self.apex(s)) != self.class_of(self.apex(r)) {
+                    pairs.extend(cost(self, s, r).map(|cost| (cost, s, r)));
                 }
             }
         }
@@ -195,6 +232,12 @@ impl<'a> Joint<'a> {
         let [a, b, c] = [a, b, self.apex(side)].map(|v| self.unit[v as usize]);
         let along = (b - a).normalize_or_zero();
         ((c - a) - along * along.dot(c - a)).normalize_or_zero()
+    }
+
+    /// Normal of a side's triangle as it came, not normalised.
+    fn normal(&self, side: u32) -> DVec3 {
+        let [a, b, c] = self.triangles.corners[side as usize / 3].map(|v| self.unit[v as usize]);
+        (b - a).cross(c - a)
     }
 
     /// Which triangles are to be turned over.

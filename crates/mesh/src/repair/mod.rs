@@ -115,9 +115,9 @@ pub enum RepairError {
 /// Turns a face soup into an oriented manifold triangle mesh.
 ///
 /// 1. Polygons are triangulated; repeated corners, faces without area and copies of faces are dropped.
-/// 2. Faces are joined along edges: first where exactly two share an edge, then, flattest first, where more do
-///    or where positions coincide. What is left over becomes boundary; scraps that
-///    hung there are dropped.
+/// 2. Faces are joined along edges: first where exactly two share an edge, then where more do or where positions
+///    coincide: flattest first, or, where the input is oriented, only such as face alike, so that solids that touch
+///    along an edge stay solids. What is left over becomes boundary; scraps that hung there are dropped.
 /// 3. Joined faces are oriented consistently: as most of them are, outwards if closed.
 /// 4. Every fan of joined corners becomes one vertex.
 /// 5. Triangles without area between different positions are flipped or collapsed away.
@@ -387,6 +387,33 @@ mod tests {
     fn counts(mesh: &TriMesh) -> (usize, usize, usize, usize, i64) {
         let s = Summary::of(mesh.connectivity());
         (s.vertices, s.faces, s.components, s.boundary_loops, s.genus)
+    }
+
+    /// Coplanar faces of two cubes that touch along an edge face opposite ways: joining those would turn sides over.
+    #[test]
+    fn cubes_that_touch_along_an_edge_stay_cubes() {
+        let cube = shapes::cube(1.0, 1);
+        let along = cube.positions().values().iter().fold(DVec3::NEG_INFINITY, |m, &p| m.max(p))
+            - cube.positions().values().iter().fold(DVec3::INFINITY, |m, &p| m.min(p));
+        let mut soup = soup_of(&cube);
+        let count = soup.positions.len() as u32;
+        // Welded: vertices of the other cube that lie on the first one are the same.
+        let moved: Vec<DVec3> = soup.positions.iter().map(|&p| p + along * DVec3::new(1.0, 1.0, 0.0)).collect();
+        let number = |i: usize| {
+            let same = (0..count).find(|&k| soup.positions[k as usize].distance(moved[i]) < 1e-9);
+            same.unwrap_or(count + i as u32)
+        };
+        let faces: Vec<Vec<u32>> = soup.faces.iter().map(|f| f.iter().map(|&v| number(v as usize)).collect()).collect();
+        soup.positions.extend(moved.iter().copied());
+        soup.faces.extend(faces);
+        let repaired = run(&soup);
+        let volume = |mesh: &TriMesh| {
+            let corner = |f| mesh.face_vertices(f).map(|v| mesh.position(v));
+            mesh.faces().map(corner).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum::<f64>()
+        };
+        assert!((volume(&repaired.mesh) - 2.0 * volume(&cube)).abs() < 1e-9);
+        assert!(repaired.report.findings().all(|f| f.kind != FindingKind::FlippedFace));
+        assert_eq!(counts(&repaired.mesh), (16, 24, 2, 0, 0));
     }
 
     #[test]
