@@ -52,8 +52,6 @@ struct Joint<'a> {
     partner: Vec<u32>,
     sides: ParitySets,
     dropped: Vec<bool>,
-    /// Whether triangles that share an edge with no third one all face alike as they came.
-    oriented: bool,
 }
 
 /// A side with its edge: by position, and by vertices.
@@ -74,7 +72,6 @@ impl<'a> Joint<'a> {
             partner: vec![NONE; 3 * count],
             sides: ParitySets::new(count),
             dropped: vec![false; count],
-            oriented: true,
         }
     }
 
@@ -135,19 +132,17 @@ impl<'a> Joint<'a> {
 
     /// Joins the remaining sides of each edge: by vertices, then by position.
     ///
-    /// Where the input is oriented, nothing is turned over for it: faces at an edge of more than two are joined as they
-    /// face, so that solids which touch along the edge stay solids.
+    /// Where the input is oriented, faces at an edge of more than two are joined as they face first, so that solids which
+    /// touch along the edge stay solids; only what has no partner then is turned over for one.
     fn join_other_edges(&mut self, sides: &[Side], report: &mut RepairReport) {
-        let pairs = sides.chunk_by(|a, b| a.by_class == b.by_class).filter(|edge| edge.len() == 2);
-        self.oriented = pairs.into_iter().all(|edge| !self.same_direction(edge[0].side, edge[1].side));
+        let mut pairs = sides.chunk_by(|a, b| a.by_class == b.by_class).filter(|edge| edge.len() == 2);
+        let oriented = pairs.all(|edge| !self.same_direction(edge[0].side, edge[1].side));
         for edge in sides.chunk_by(|a, b| a.by_class == b.by_class) {
-            for group in edge.chunk_by(|a, b| a.by_vertex == b.by_vertex).chain([edge]) {
-                if self.oriented && edge.len() > 2 {
-                    self.join_alike(group);
-                } else {
-                    self.join_flattest(group);
-                }
+            let groups = || edge.chunk_by(|a, b| a.by_vertex == b.by_vertex).chain([edge]);
+            if oriented && edge.len() > 2 {
+                groups().for_each(|group| self.join_alike(group));
             }
+            groups().for_each(|group| self.join_flattest(group));
             let open = edge.iter().filter(|s| self.partner[s.side as usize] == NONE);
             if edge.len() > 2 {
                 for s in open {

@@ -116,8 +116,8 @@ pub enum RepairError {
 ///
 /// 1. Polygons are triangulated; repeated corners, faces without area and copies of faces are dropped.
 /// 2. Faces are joined along edges: first where exactly two share an edge, then where more do or where positions
-///    coincide: flattest first, or, where the input is oriented, only such as face alike, so that solids that touch
-///    along an edge stay solids. What is left over becomes boundary; scraps that hung there are dropped.
+///    coincide: flattest first, but, where the input is oriented, such as face alike before all others, so that solids
+///    that touch along an edge stay solids. What is left over becomes boundary; scraps that hung there are dropped.
 /// 3. Joined faces are oriented consistently: as most of them are, outwards if closed.
 /// 4. Every fan of joined corners becomes one vertex.
 /// 5. Triangles without area between different positions are flipped or collapsed away.
