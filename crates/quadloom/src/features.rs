@@ -30,8 +30,8 @@ const SHORT_PIECE_EDGES: f64 = 4.0;
 
 /// What would be dropped is kept where it is at most this part of all sharp edges, by length.
 ///
-/// Scans and organic shapes have 0.59 to 1 (spot, with creases at its eyes and hooves, is the least of those measured), CAD
-/// models 0 to 0.06: there even short creases, and bends of few strips, were meant.
+/// Scans and organic shapes would drop most of theirs, CAD models next to none: there even short creases, and bends of
+/// few strips, were meant.
 const FEW_REL: f64 = 0.1;
 
 /// Target edges of the shortest piece that is kept for that: it is rounded up to a quad edge.
