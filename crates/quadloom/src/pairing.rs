@@ -40,9 +40,15 @@ pub(crate) struct Pairing {
 
 /// Pairs triangles, first those whose common edge runs most diagonally to the crosses.
 ///
+/// # Input      single: triangles that stay by themselves
 /// # Cost       O(n log n), and a bounded search for every triangle that is left
-pub(crate) fn pair_triangles(mesh: &TriMesh, features: &FeatureGraph, field: Option<&CrossField>) -> Pairing {
-    let mut matching = Matching::new(mesh, features);
+pub(crate) fn pair_triangles(
+    mesh: &TriMesh,
+    features: &FeatureGraph,
+    single: &FaceMap<bool>,
+    field: Option<&CrossField>,
+) -> Pairing {
+    let mut matching = Matching::new(mesh, features, single);
     // 1. Greedily.
     let mut order: Vec<(f64, EdgeId)> = mesh
         .edges()
@@ -121,8 +127,12 @@ struct Matching<'a> {
 }
 
 impl<'a> Matching<'a> {
-    fn new(mesh: &'a TriMesh, features: &FeatureGraph) -> Self {
-        let allowed = EdgeMap::from_fn(mesh.edge_count(), |e| !features.is_feature(e) && is_quad(mesh, e));
+    fn new(mesh: &'a TriMesh, features: &FeatureGraph, single: &FaceMap<bool>) -> Self {
+        let joins = |e: EdgeId| {
+            let h = mesh.half_edge(e);
+            !single[mesh.face(h)] && mesh.twin(h).is_none_or(|t| !single[mesh.face(t)])
+        };
+        let allowed = EdgeMap::from_fn(mesh.edge_count(), |e| !features.is_feature(e) && joins(e) && is_quad(mesh, e));
         let mate = FaceMap::filled(mesh.face_count(), None);
         let sector = CornerMap::filled(mesh.half_edge_count(), 0);
         let mut matching = Self { mesh, allowed, mate, sector, faces: Vec::new(), least: Vec::new() };
@@ -263,7 +273,8 @@ mod tests {
         for name in ["sphere", "torus", "bracket", "plate"] {
             let Some(mesh) = sample(name) else { continue };
             let (features, _) = FeatureGraph::detect(&mesh, &FeatureOptions::default());
-            let Pairing { joined, pairs } = pair_triangles(&mesh, &features, None);
+            let Pairing { joined, pairs } =
+                pair_triangles(&mesh, &features, &FaceMap::filled(mesh.face_count(), false), None);
             assert!(3 * pairs > mesh.face_count(), "{name}: {pairs} pairs of {} triangles", mesh.face_count());
             for f in mesh.faces() {
                 assert!(mesh.face_half_edges(f).iter().filter(|&&h| joined[mesh.edge(h)]).count() <= 1);
@@ -285,7 +296,8 @@ mod tests {
         let p = |x: f64, y: f64| DVec3::new(x, y, 0.0);
         let at = vec![p(0.0, 0.0), p(1.0, 0.0), p(0.0, 1.0), p(1.0, 1.0), p(0.0, 2.0), p(1.0, 2.0)];
         let mesh = TriMesh::new(at, &[[0, 1, 2], [1, 3, 2], [2, 3, 4], [3, 5, 4]]).expect("a strip");
-        let mut matching = Matching::new(&mesh, &FeatureGraph::none(&mesh));
+        let single = FaceMap::filled(mesh.face_count(), false);
+        let mut matching = Matching::new(&mesh, &FeatureGraph::none(&mesh), &single);
         let middle = mesh.edges().find(|&e| mesh.ends(e).iter().all(|v| [2, 3].contains(&v.0))).expect("the edge");
         matching.least.fill(1);
         matching.join(middle);

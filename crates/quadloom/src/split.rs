@@ -7,7 +7,8 @@
 //! 1. An isotropic work mesh of about half as many triangles as quads are wanted.
 //! 2. Its triangles are paired along the diagonals of a smooth cross field.
 //! 3. Pairs are split into four quads, the triangles that are left into three, and finished on the surface.
-//! 4. Where quads fail, the work mesh is made finer, and the whole is repeated.
+//! 4. Where quads fail, the work mesh is made finer or takes over the surface's own triangles, and the whole is
+//!    repeated.
 //!
 //! ```text
 //!     ┌────┬────┐              /\
@@ -23,7 +24,7 @@ use crate::ladder::Effort;
 use crate::pairing::{Pairing, pair_corners, pair_triangles};
 use crate::stages::no_result;
 use crate::verify::{Verification, verify};
-use quadloom_extract::{Extraction, FinishError, FinishOptions, Placement, Reference, finish};
+use quadloom_extract::{Extraction, FinishError, FinishOptions, Placement, Reference, finish, scaled_jacobian};
 use quadloom_field::{CrossField, FieldConstraints, FieldOptions, Transport, solve_cross_field};
 use quadloom_mesh::remesh::{RemeshOptions, Remeshed, TargetLength, isotropic};
 use quadloom_mesh::{
@@ -44,6 +45,9 @@ const REFINED_REL: f64 = 0.5;
 /// Distance from a failed quad up to which the work mesh is made finer, relative to the quad's circumference.
 const REFINED_REACH_REL: f64 = 0.5;
 
+/// Least scaled Jacobian of the quads of triangles that are taken over.
+const KEPT_JACOBIAN: f64 = 0.1;
+
 /// Makes quads of a surface without a map.
 ///
 /// # Input      features: boundaries included; goal: the number of quads, reached as far as no quad fails
@@ -58,7 +62,7 @@ pub fn split_surface(
 ) -> Result<QuadMesh, RemeshError> {
     let reference = Reference::new(mesh, features);
     // 1. A work mesh of the right size.
-    let uniform = VertexMap::filled(mesh.vertex_count(), 1.0);
+    let uniform = VertexMap::filled(mesh.vertex_count(), Some(1.0));
     let pairs_of_quads = (0.5 * goal.quads).max(1.0);
     let equilateral = (mesh.area() / pairs_of_quads * 4.0 / 3.0_f64.sqrt()).sqrt();
     let fitted = fit_count(goal, equilateral, |edge| {
@@ -80,7 +84,7 @@ pub fn split_surface(
             return Ok(quads);
         }
         if round < REFINEMENTS {
-            refine_around(&mut relative, &quads, &verification, mesh);
+            refine_around(&mut relative, edge, &quads, &verification, mesh);
             paired = Paired::new(mesh, features, &relative, edge, progress)?;
         }
     }
@@ -97,19 +101,21 @@ struct Paired {
 }
 
 impl Paired {
-    /// # Input      relative: edge lengths at the vertices of `mesh`, in `edge`
+    /// # Input      relative: edge lengths at the vertices of `mesh`, in `edge`; those without one stay
     fn new(
         mesh: &TriMesh,
         features: &FeatureGraph,
-        relative: &VertexMap<f64>,
+        relative: &VertexMap<Option<f64>>,
         edge: f64,
         progress: &Progress,
     ) -> Result<Self, RemeshError> {
-        let length = VertexMap::from_fn(mesh.vertex_count(), |v| relative[v] * edge);
+        let length = VertexMap::from_fn(mesh.vertex_count(), |v| relative[v].map(|r| r * edge));
         let options = RemeshOptions::default();
         let work = isotropic(mesh, features, TargetLength::PerVertex(&length), &options, progress)?;
         let field = smooth_field(&work, progress)?;
-        let pairing = pair_triangles(&work.mesh, &work.features, field.as_ref());
+        let single =
+            FaceMap::from_fn(work.mesh.face_count(), |f| work.mesh.face_vertices(f).iter().all(|&v| work.kept[v]));
+        let pairing = pair_triangles(&work.mesh, &work.features, &single, field.as_ref());
         Ok(Self { work, pairing })
     }
 
@@ -221,8 +227,15 @@ fn finished(split: &Extraction, reference: &Reference, progress: &Progress) -> R
     }
 }
 
-/// Lowers the relative edge length at the vertices of the surface around quads that fail, on all sheets of it.
-fn refine_around(relative: &mut VertexMap<f64>, quads: &QuadMesh, verification: &Verification, mesh: &TriMesh) {
+/// Around quads that fail, on all sheets of the surface: lowers the relative edge length at its vertices where its
+/// triangles are larger, and lets them stay where they are not, as a finer work mesh would be no closer to it.
+fn refine_around(
+    relative: &mut VertexMap<Option<f64>>,
+    edge: f64,
+    quads: &QuadMesh,
+    verification: &Verification,
+    mesh: &TriMesh,
+) {
     let failed = verification.inverted.iter().chain(&verification.against);
     let outline = |&f: &FaceId| (quads.face_vertices(f).map(|v| quads.position(v)), true);
     let outlines: Vec<([DVec3; 4], bool)> = failed.map(outline).collect();
@@ -230,9 +243,23 @@ fn refine_around(relative: &mut VertexMap<f64>, quads: &QuadMesh, verification: 
     for v in mesh.vertices() {
         let Some(nearest) = index.query_any(mesh.position(v)) else { continue };
         if nearest.distance <= REFINED_REACH_REL * index.length(nearest.chain) {
-            relative[v] *= REFINED_REL;
+            let refined = relative[v].map(|r| r * REFINED_REL);
+            relative[v] = refined.filter(|_| !may_stay(mesh, v, edge));
         }
     }
+}
+
+/// Whether the triangles around a vertex are no larger than those of the work mesh, and give quads that are good enough.
+fn may_stay(mesh: &TriMesh, v: VertexId, edge: f64) -> bool {
+    mesh.outgoing(v).map(|h| mesh.face(h)).all(|f| {
+        let corner = mesh.face_vertices(f).map(|v| mesh.position(v));
+        let centre = corner.iter().sum::<DVec3>() / 3.0;
+        (0..3).all(|k| {
+            let [before, at, after] = [corner[(k + 2) % 3], corner[k], corner[(k + 1) % 3]];
+            at.distance(after) <= edge
+                && scaled_jacobian([at, at.midpoint(after), centre, at.midpoint(before)]) >= KEPT_JACOBIAN
+        })
+    })
 }
 
 /// Splits every triangle into three quads at its centroid and the midpoints of its sides.
@@ -296,6 +323,24 @@ mod tests {
         let goal = CountGoal { quads: 400.0, tolerance: 0.1, solves: 4 };
         let quads = split_surface(&sheet, &features, goal, &Progress::none()).expect("quads");
         assert!(verify(&quads, &Reference::new(&sheet, &features)).passed());
+    }
+
+    /// Around quads that fail, fine triangles stay, and coarse ones ask for a finer work mesh.
+    #[test]
+    fn the_surface_is_taken_over_where_it_is_as_fine_as_the_work_mesh() {
+        let quads = split_triangles(&quadloom_mesh::shapes::cube(1.0, 4)).expect("quads");
+        let failed = |mesh: &TriMesh| {
+            let mut verification = verify(&quads, &Reference::new(mesh, &FeatureGraph::none(mesh)));
+            verification.inverted = vec![FaceId::new(0)];
+            let mut relative = VertexMap::filled(mesh.vertex_count(), Some(1.0));
+            refine_around(&mut relative, 0.25, &quads, &verification, mesh);
+            let count = |wanted: Option<f64>| relative.values().iter().filter(|r| **r == wanted).count();
+            (count(None), count(Some(REFINED_REL)), count(Some(1.0)))
+        };
+        let (stay, finer, unchanged) = failed(&quadloom_mesh::shapes::cube(1.0, 12));
+        assert!(stay > 0 && finer == 0 && unchanged > stay);
+        let (stay, finer, unchanged) = failed(&quadloom_mesh::shapes::cube(1.0, 3));
+        assert!(stay == 0 && finer > 0 && unchanged > finer);
     }
 
     #[test]

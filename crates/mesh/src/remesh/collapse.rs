@@ -120,6 +120,7 @@ impl Remesher<'_> {
         let removed = [(a, b, Place::Origin), (b, a, Place::Target)];
         removed.into_iter().filter(|removal| removal.2 != place).all(|(gone, kept, _)| {
             match (work.role(gone), work.seg(h)) {
+                _ if work.vertices[gone as usize].kept => false,
                 (Role::Pinned, _) | (Role::OnCurve, NONE) => false,
                 (Role::OnCurve, s) => {
                     let curve = &self.curves[work.segments[s as usize].curve as usize];

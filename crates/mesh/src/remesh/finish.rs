@@ -18,9 +18,10 @@ impl Remesher<'_> {
         let faces: Vec<[u32; 3]> = self.work.origin.chunks_exact(3).map(|f| [f[0], f[1], f[2]]).collect();
         let mesh = TriMesh::new(positions, &faces)?;
         let origin = VertexMap::from_fn(mesh.vertex_count(), |v| self.surface_point(v.0));
+        let kept = VertexMap::from_fn(mesh.vertex_count(), |v| self.work.vertices[v.index()].kept);
         let features = self.feature_graph(&mesh, features);
         let report = self.report(&mesh);
-        Ok(Remeshed { mesh, features, origin, report })
+        Ok(Remeshed { mesh, features, origin, kept, report })
     }
 
     /// Where a vertex lies on the input.
@@ -68,6 +69,11 @@ impl Remesher<'_> {
         FeatureGraph { chain_of, chains, is_corner }
     }
 
+    /// Whether an edge is longer than twice its target, and not one that was to stay.
+    fn is_long(&self, h: u32) -> bool {
+        self.work.ratio(h) > 1.5 * super::collapse::LONG && !self.work.stays(h)
+    }
+
     fn report(&self, mesh: &TriMesh) -> RemeshReport {
         let angles = corner_angles(mesh, &edge_lengths(mesh));
         let degrees = || angles.values().iter().map(|angle| angle.to_degrees());
@@ -84,7 +90,7 @@ impl Remesher<'_> {
             max_angle: degrees().fold(0.0, f64::max),
             good_angles: share(degrees().filter(|a| (30.0..=110.0).contains(a)).count(), angles.len()),
             regular_vertices: share(regular.count(), mesh.vertex_count()),
-            long_edges: self.work.edges().filter(|&h| self.work.ratio(h) > 1.5 * super::collapse::LONG).count(),
+            long_edges: self.work.edges().filter(|&h| self.is_long(h)).count(),
             reduced_vertices: (0..self.work.vertices.len())
                 .filter(|&v| self.work.vertices[v].size < 0.99 * self.base_size(v as u32))
                 .count(),

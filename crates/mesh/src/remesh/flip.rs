@@ -29,7 +29,7 @@ impl Remesher<'_> {
         for h in 0..self.work.origin.len() as u32 {
             let work = &self.work;
             let t = work.twin(h);
-            if !work.alive(h) || t == NONE || h > t || work.seg(h) != NONE {
+            if !work.alive(h) || t == NONE || h > t || work.seg(h) != NONE || work.stays(h) {
                 continue;
             }
             let wanted = match goal {

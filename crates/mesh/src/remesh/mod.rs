@@ -23,7 +23,7 @@ mod work;
 mod tests;
 
 use crate::features::FeatureGraph;
-use crate::ids::{FaceId, VertexMap};
+use crate::ids::{FaceId, VertexId, VertexMap};
 use crate::mesh::TriMesh;
 use crate::progress::{Cancelled, Progress};
 use crate::surface_point::SurfacePoint;
@@ -39,8 +39,8 @@ use work::{NONE, Role, Segment, Vertex, Work};
 pub enum TargetLength<'a> {
     /// The same everywhere.
     Uniform(f64),
-    /// One length per input vertex.
-    PerVertex(&'a VertexMap<f64>),
+    /// One length per input vertex; vertices without one stay, and so do all edges and faces between such.
+    PerVertex(&'a VertexMap<Option<f64>>),
 }
 
 /// How the work mesh is made.
@@ -74,6 +74,8 @@ pub struct Remeshed {
     pub features: FeatureGraph,
     /// Where each vertex lies on the input mesh (for the few that would fold a face there: the nearest point seen).
     pub origin: VertexMap<SurfacePoint>,
+    /// Whether a vertex is one of the input's that was to stay.
+    pub kept: VertexMap<bool>,
     /// What was done and what came out.
     pub report: RemeshReport,
 }
@@ -134,7 +136,7 @@ struct Remesher<'a> {
 /// Remeshes a surface isotropically, keeping topology and features.
 ///
 /// # Input      mesh: any; features: its chains and corners, boundaries are kept whether or not they are features;
-/// size: target edge length, positive, file units
+/// size: target edge length, positive, file units, or vertices that stay
 /// # Output     the new mesh, its features (chain i is chain i of the input, corners are exact), where its vertices lie
 /// on the input, a report
 /// # Errors     [`Cancelled`]
@@ -169,7 +171,7 @@ pub fn isotropic(
     remesher.separate_features()?;
     remesher.settle();
     progress.spend(EFFORT * remesher.ticks as usize);
-    let unchanged = || Remeshed::unchanged(mesh, features);
+    let unchanged = || Remeshed::unchanged(mesh, features, size);
     Ok(remesher.finish(features).unwrap_or_else(|_| unchanged()))
 }
 
@@ -178,30 +180,43 @@ const EFFORT: usize = 3;
 
 impl Remeshed {
     /// The input as its own result, with an empty report.
-    fn unchanged(mesh: &TriMesh, features: &FeatureGraph) -> Self {
+    fn unchanged(mesh: &TriMesh, features: &FeatureGraph, size: TargetLength) -> Self {
         let origin = VertexMap::from_fn(mesh.vertex_count(), |v| {
             let h = mesh.outgoing_half_edge(v);
             let corner = h.index() - mesh.first_half_edge(mesh.face(h)).index();
             SurfacePoint { face: mesh.face(h), weights: std::array::from_fn(|k| f64::from(u8::from(k == corner))) }
         });
-        Self { mesh: mesh.clone(), features: features.clone(), origin, report: RemeshReport::default() }
+        let kept = VertexMap::from_fn(mesh.vertex_count(), |v| size.keeps(v));
+        Self { mesh: mesh.clone(), features: features.clone(), origin, kept, report: RemeshReport::default() }
     }
 }
 
 impl TargetLength<'_> {
-    /// The length at an input vertex.
-    fn at(&self, v: crate::ids::VertexId) -> f64 {
+    /// The length at an input vertex; at those that stay, the mean of their edges.
+    fn at(&self, mesh: &TriMesh, v: VertexId) -> f64 {
+        let present = || {
+            let (sum, edges) = mesh
+                .vertex_edges(v)
+                .map(|e| mesh.ends(e).map(|end| mesh.position(end)))
+                .fold((0.0, 0.0), |(sum, n), [a, b]| (sum + a.distance(b), n + 1.0));
+            sum / f64::max(edges, 1.0)
+        };
         match self {
             Self::Uniform(length) => *length,
-            Self::PerVertex(map) => map[v],
+            Self::PerVertex(map) => map[v].unwrap_or_else(present),
         }
+    }
+
+    /// Whether an input vertex stays.
+    fn keeps(&self, v: VertexId) -> bool {
+        matches!(self, Self::PerVertex(map) if map[v].is_none())
     }
 
     /// The mean length at the corners of an input face.
     fn at_face(&self, mesh: &TriMesh, f: FaceId) -> f64 {
         match self {
             Self::Uniform(length) => *length,
-            Self::PerVertex(map) => mesh.face_vertices(f).map(|v| map[v]).iter().sum::<f64>() / 3.0,
+            _ => mesh.face_vertices(f).map(|v| self.at(mesh, v)).iter().sum::<f64>() / 3.0,
         }
     }
 }
@@ -215,7 +230,7 @@ impl<'a> Remesher<'a> {
         progress: &'a Progress,
     ) -> Self {
         let Curves { curves, chains, is_curve, role } = Curves::new(mesh, features);
-        let mean_size = mesh.vertices().map(|v| size.at(v)).sum::<f64>() / mesh.vertex_count().max(1) as f64;
+        let mean_size = mesh.vertices().map(|v| size.at(mesh, v)).sum::<f64>() / mesh.vertex_count().max(1) as f64;
         let surface = Surface::new(mesh, &is_curve, mean_size);
         let vertices = mesh
             .vertices()
@@ -226,11 +241,12 @@ impl<'a> Remesher<'a> {
                 Vertex {
                     position: mesh.position(v),
                     normal,
-                    size: size.at(v),
+                    size: size.at(mesh, v),
                     error: 0.0,
                     hint: face,
                     source: v.0,
                     role: role[v],
+                    kept: size.keeps(v),
                     valence: 0,
                 }
             })

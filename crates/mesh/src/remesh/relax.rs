@@ -19,7 +19,7 @@ impl Remesher<'_> {
     /// Moves every vertex once, in the order of ids.
     pub(super) fn relax(&mut self) -> Result<(), Cancelled> {
         for v in 0..self.work.out.len() as u32 {
-            if self.work.out[v as usize] == NONE {
+            if self.work.out[v as usize] == NONE || self.work.vertices[v as usize].kept {
                 continue;
             }
             self.tick()?;

@@ -26,7 +26,8 @@ impl Remesher<'_> {
     pub(super) fn refine_coarse(&mut self) -> Result<(), Cancelled> {
         let mut before = f64::INFINITY;
         for _ in 0..MAX_SWEEPS {
-            let longest = self.work.edges().map(|h| self.work.ratio(h)).fold(0.0, f64::max);
+            let longest =
+                self.work.edges().filter(|&h| !self.work.stays(h)).map(|h| self.work.ratio(h)).fold(0.0, f64::max);
             // An edge that refuses to be split must not keep the others going through levels that do nothing.
             if longest <= 2.0 * LONG || longest > PROGRESS * before || !self.split_sweep(0.5 * longest)? {
                 break;
@@ -53,6 +54,7 @@ impl Remesher<'_> {
     fn split_sweep(&mut self, limit: f64) -> Result<bool, Cancelled> {
         let mut long: Vec<(f64, u32)> =
             self.work.edges().map(|h| (self.work.ratio(h), h)).filter(|&(ratio, _)| ratio > limit).collect();
+        long.retain(|&(_, h)| !self.work.stays(h));
         long.sort_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
         let mut changed = false;
         for (ratio, h) in long {
@@ -78,7 +80,7 @@ impl Remesher<'_> {
     pub(super) fn separate_features(&mut self) -> Result<(), Cancelled> {
         for f in 0..self.work.face_slots() {
             let sides = [3 * f, 3 * f + 1, 3 * f + 2];
-            if self.work.alive(3 * f) && sides.iter().all(|&h| self.work.seg(h) != NONE) {
+            if self.work.alive(3 * f) && sides.iter().all(|&h| self.work.seg(h) != NONE && !self.work.stays(h)) {
                 self.split_face(f);
             }
         }
@@ -87,7 +89,7 @@ impl Remesher<'_> {
         while (h as usize) < self.work.origin.len() {
             self.tick()?;
             let work = &self.work;
-            let inner = work.alive(h) && h < work.twin(h) && work.seg(h) == NONE;
+            let inner = work.alive(h) && h < work.twin(h) && work.seg(h) == NONE && !work.stays(h);
             if inner && work.on_feature(work.org(h)) && work.on_feature(work.tgt(h)) {
                 self.split_edge(h);
             }
@@ -117,6 +119,7 @@ impl Remesher<'_> {
             hint: half_edge / 3,
             source: half_edge,
             role: Role::OnCurve,
+            kept: false,
             valence: 0,
         }
     }
@@ -137,6 +140,7 @@ impl Remesher<'_> {
             hint: foot.face,
             source: NONE,
             role: Role::Free,
+            kept: false,
             valence: 0,
         }
     }

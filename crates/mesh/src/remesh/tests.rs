@@ -179,7 +179,7 @@ fn a_flat_plate_keeps_its_outline_without_features() {
 #[test]
 fn lengths_follow_the_map() {
     let mesh = shapes::sphere(1.0, 5);
-    let wanted = VertexMap::from_fn(mesh.vertex_count(), |v| 0.06 + 0.06 * (1.0 + mesh.position(v).z));
+    let wanted = VertexMap::from_fn(mesh.vertex_count(), |v| Some(0.06 + 0.06 * (1.0 + mesh.position(v).z)));
     let options = RemeshOptions::default();
     let features = FeatureGraph::none(&mesh);
     let result = isotropic(&mesh, &features, TargetLength::PerVertex(&wanted), &options, &Progress::none())
@@ -415,5 +415,35 @@ fn chord_deviation_is_that_of_all_points_between() {
             }
         }
         assert!((curve.chord_deviation(from, from + span) - worst).abs() < 1e-12, "from {from} over {span}");
+    }
+}
+
+/// Part of a fine sphere stays, triangle by triangle, while the rest becomes coarse.
+#[test]
+fn triangles_that_are_to_stay_are_there_afterwards() {
+    let mesh = shapes::sphere(1.0, 4);
+    let features = detected(&mesh);
+    let length = VertexMap::from_fn(mesh.vertex_count(), |v| (mesh.position(v).z < 0.7).then_some(0.4));
+    let size = TargetLength::PerVertex(&length);
+    let options = RemeshOptions::default();
+    let result = isotropic(&mesh, &features, size, &options, &Progress::none()).expect("nobody cancels");
+    let corners = |m: &TriMesh, f| {
+        let mut corners = m.face_vertices(f).map(|v| m.position(v).to_array().map(f64::to_bits));
+        corners.sort_unstable();
+        corners
+    };
+    let new: std::collections::HashSet<_> = result.mesh.faces().map(|f| corners(&result.mesh, f)).collect();
+    let stays = |f: &crate::ids::FaceId| mesh.face_vertices(*f).iter().all(|&v| length[v].is_none());
+    let staying = mesh.faces().filter(stays);
+    assert!(staying.clone().count() > 100);
+    assert!(staying.clone().all(|f| new.contains(&corners(&mesh, f))));
+    assert!(result.mesh.face_count() < mesh.face_count() / 2);
+    assert_eq!(
+        result.kept.values().iter().filter(|k| **k).count(),
+        length.values().iter().filter(|l| l.is_none()).count()
+    );
+    for f in result.mesh.faces() {
+        let [a, b, c] = result.mesh.face_vertices(f).map(|v| result.mesh.position(v));
+        assert!(result.mesh.vector_area(f).dot(a + b + c) > 0.0, "face {f} is turned over");
     }
 }

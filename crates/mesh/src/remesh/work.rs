@@ -40,6 +40,8 @@ pub(super) struct Vertex {
     pub source: u32,
     /// What may be done with it.
     pub role: Role,
+    /// Whether it stays, with all edges and faces between such.
+    pub kept: bool,
     /// Number of edges.
     pub valence: u32,
 }
@@ -157,6 +159,11 @@ impl Work {
     #[inline]
     pub fn ratio(&self, h: u32) -> f64 {
         (self.length_sq(h)).sqrt() / self.target(h)
+    }
+    /// Whether an edge joins two vertices that stay.
+    #[inline]
+    pub fn stays(&self, h: u32) -> bool {
+        self.vertices[self.org(h) as usize].kept && self.vertices[self.tgt(h) as usize].kept
     }
     /// Target length of an edge: the smaller one of its ends.
     #[inline]
