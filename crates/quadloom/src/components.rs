@@ -12,22 +12,38 @@ use quadloom_mesh::{MeshError, QuadMesh, TriMesh};
 /// Fewer leave no room for the eight singularities of a sphere; more would let crumbs of a scan eat the count.
 const LEAST_QUADS: usize = 12;
 
-/// Distributes a count over parts by area, giving each at least a few quads.
+/// Quads for each quarter of index that a component must have, where they are cheap: with fewer no map is looked for
+/// on a closed surface whose field has the fewest singularities that there are.
+const ROOMY_QUADS: usize = 6;
+
+/// Part of the count that small components may have, together, for [`ROOMY_QUADS`].
+///
+/// More: crumbs of a scan eat the count. Less: a ball beside a large solid has triangles split into quads.
+const ROOMY_REL: f64 = 0.1;
+
+/// Distributes a count over parts by area, giving each at least a few quads; enough for a map, where that is cheap.
 pub fn shares(parts: &[Component], quads: usize) -> Vec<usize> {
-    let area: Vec<f64> = parts.iter().map(|p| p.mesh.area()).collect();
-    let least: Vec<usize> = parts.iter().map(|p| least_quads(&p.mesh)).collect();
     if parts.len() == 1 {
         return vec![quads.max(1)];
     }
-    let mut fixed = vec![false; parts.len()];
+    let area: Vec<f64> = parts.iter().map(|p| p.mesh.area()).collect();
+    let scarce: Vec<usize> = parts.iter().map(|p| least_quads(&p.mesh)).collect();
+    let roomy: Vec<usize> = parts.iter().zip(&scarce).map(|(p, &least)| least.max(roomy_quads(&p.mesh))).collect();
+    let (share, spent) = shares_with(&area, &roomy, quads);
+    if spent as f64 <= ROOMY_REL * quads as f64 { share } else { shares_with(&area, &scarce, quads).0 }
+}
+
+/// Shares by area of at least so much each, and what those that have no more than that sum to.
+fn shares_with(area: &[f64], least: &[usize], quads: usize) -> (Vec<usize>, usize) {
+    let mut fixed = vec![false; area.len()];
     loop {
-        let free_area: f64 = (0..parts.len()).filter(|&i| !fixed[i]).map(|i| area[i]).sum();
-        let spent: usize = (0..parts.len()).filter(|&i| fixed[i]).map(|i| least[i]).sum();
+        let free_area: f64 = (0..area.len()).filter(|&i| !fixed[i]).map(|i| area[i]).sum();
+        let spent: usize = (0..area.len()).filter(|&i| fixed[i]).map(|i| least[i]).sum();
         let free = quads.saturating_sub(spent) as f64;
         let share = |i: usize| (free * area[i] / free_area.max(f64::MIN_POSITIVE)).round() as usize;
-        let short: Vec<usize> = (0..parts.len()).filter(|&i| !fixed[i] && share(i) < least[i]).collect();
+        let short: Vec<usize> = (0..area.len()).filter(|&i| !fixed[i] && share(i) < least[i]).collect();
         if short.is_empty() {
-            return (0..parts.len()).map(|i| if fixed[i] { least[i] } else { share(i) }).collect();
+            return ((0..area.len()).map(|i| if fixed[i] { least[i] } else { share(i) }).collect(), spent);
         }
         for i in short {
             fixed[i] = true;
@@ -38,6 +54,11 @@ pub fn shares(parts: &[Component], quads: usize) -> Vec<usize> {
 fn least_quads(mesh: &TriMesh) -> usize {
     let complexity = (2 - euler_characteristic(mesh)).max(0) as usize;
     LEAST_QUADS * (1 + complexity)
+}
+
+/// Enough for the singular vertices that the Euler characteristic asks for.
+fn roomy_quads(mesh: &TriMesh) -> usize {
+    ROOMY_QUADS * 4 * euler_characteristic(mesh).unsigned_abs() as usize
 }
 
 /// One mesh of several, in their order.
@@ -87,7 +108,9 @@ mod tests {
     fn shares_follow_area_with_a_minimum() {
         let parts = split_components(&tetrahedra(&[10.0, 10.0, 0.01])).expect("parts");
         let share = shares(&parts, 1000);
-        assert_eq!(share, [494, 494, LEAST_QUADS]);
+        assert_eq!(share, [476, 476, 48]);
+        // Room for a map would be more than a tenth of it.
+        assert_eq!(shares(&parts, 400), [194, 194, LEAST_QUADS]);
         assert_eq!(shares(&parts, 3), [LEAST_QUADS; 3]);
         assert_eq!(shares(&parts[..1], 77), [77]);
     }
