@@ -122,7 +122,7 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
                 passed.attempt = attempt;
                 let Some(doubt) = passed.doubt() else { return Ok(run.accept(passed, &found)) };
                 // Another attempt may be clear.
-                run.warn(WarningCode::Retried, format!("another size was tried: {}", doubt.message));
+                run.doubts.push((attempt, doubt.message.clone()));
                 run.climb.keep(passed);
             }
             Err(e @ (RemeshError::Cancelled(_) | RemeshError::Mismatch { .. })) => return Err(e),
@@ -140,7 +140,10 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
     }
     // 2. The last resort.
     match options.fallback {
-        Fallback::Off => Err(failure),
+        Fallback::Off => Err(match failure {
+            RemeshError::NoResult { stage, why, .. } => no_result(stage, format!("{why}; {CURE_WITHOUT_FALLBACK}")),
+            other => other,
+        }),
         Fallback::Split => {
             let made = spare.unwrap_or_else(run.splitting(&found));
             let (quads, distances) = run.split(made, &found, &failure)?;
@@ -189,6 +192,10 @@ struct Run<'a> {
     area: f64,
     solves: usize,
     warnings: Vec<Warning>,
+    /// Attempts that passed with a doubt, and the doubt; of one of them it is among the warnings of the result.
+    doubts: Vec<(usize, String)>,
+    /// Whether the attempt that runs, or ran last, took its directions from a smoothed copy.
+    smoothed: bool,
     seconds: Seconds,
     /// What has become of the attempts.
     climb: Climb,
@@ -210,6 +217,8 @@ impl<'a> Run<'a> {
             area,
             solves: 0,
             warnings: Vec::new(),
+            doubts: Vec::new(),
+            smoothed: false,
             seconds: Seconds::default(),
             climb: Climb::new(false, 0),
         }
@@ -226,7 +235,7 @@ impl<'a> Run<'a> {
 
     fn retried(&mut self, attempt: usize, why: &str) {
         let size = if attempt == 0 { "at the first size" } else { "at a slightly other size" };
-        self.warn(WarningCode::Retried, format!("no valid quads {size}: {why}"));
+        self.warn(WarningCode::Retried, format!("an attempt {size} was not used: {why}"));
     }
 
     /// The result of an attempt becomes that of the run.
@@ -237,6 +246,9 @@ impl<'a> Run<'a> {
         if dropped > 0 {
             self.warn_of_dropped(dropped);
         }
+        for (_, doubt) in std::mem::take(&mut self.doubts).into_iter().filter(|(k, _)| *k != passed.attempt) {
+            self.warn(WarningCode::Retried, format!("an attempt at another size was not used: {doubt}"));
+        }
         self.warnings.extend(passed.warnings);
         self.part(passed.quads, passed.features, Some(passed.solution), passed.attempt, passed.distances)
     }
@@ -244,13 +256,6 @@ impl<'a> Run<'a> {
     fn warn_of_dropped(&mut self, edges: usize) {
         let message = format!("no map that follows the {edges} sharp edges was found; they were not kept");
         self.warn(WarningCode::SharpEdgesDropped, message);
-    }
-
-    fn warn_of_noise(&mut self) {
-        if self.warnings.iter().all(|w| w.code != WarningCode::NoiseSmoothed) {
-            let message = "the surface is rough at the size of its quads: directions were taken from a smoothed copy";
-            self.warn(WarningCode::NoiseSmoothed, message.into());
-        }
     }
 
     /// All features, and those that are there without looking for sharp edges.
@@ -265,6 +270,7 @@ impl<'a> Run<'a> {
     fn attempt(&mut self, rung: &Rung, features: &Features) -> Result<Passed, RemeshError> {
         let quads = rung.quads * self.request.quads as f64;
         let edge = (self.area / quads).sqrt();
+        self.smoothed = false;
         let (work, field, energy) = match &self.request.field {
             Some(direction) => self.given_field(&features.graph, direction)?,
             None => self.own_field(&features.graph, edge, rung.work_edge)?,
@@ -299,8 +305,9 @@ impl<'a> Run<'a> {
         let solution = Solution { work, field, energy, map, extraction, ties, relocation };
         self.check_for_lost_parts(&solution, &quads)?;
         let (distances, unclear) = self.checked(&quads, &reference)?;
+        let noise = self.smoothed.then(noise_warning);
         let warnings =
-            [unclear, left_warning(&finished.report), fold_warning(&solution)].into_iter().flatten().collect();
+            [unclear, left_warning(&finished.report), fold_warning(&solution), noise].into_iter().flatten().collect();
         Ok(Passed { quads, solution, distances, features: features.clone(), attempt: 0, warnings })
     }
 
@@ -331,9 +338,7 @@ impl<'a> Run<'a> {
         let mut work = self.seconds.time("work mesh", make)?;
         let quads = self.area / (edge * edge);
         let calm = || calm(&mut work, quads, work_edge, self.options, self.progress);
-        if self.seconds.time("work mesh", calm)? {
-            self.warn_of_noise();
-        }
+        self.smoothed = self.seconds.time("work mesh", calm)?;
         let given = on_work_mesh(&work, self.request)?;
         let singularities = Prescribed { at: &given, only: !given.is_empty() && !self.options.other_singularities };
         self.progress.report("cross field", 0.0);
@@ -468,7 +473,9 @@ impl<'a> Run<'a> {
     ) -> Result<(QuadMesh, Option<Distances>), RemeshError> {
         let Self { request, .. } = *self;
         let because = |e: RemeshError| match e {
-            RemeshError::NoResult { why, .. } => no_result("split", format!("{why}; before that, {failure}")),
+            RemeshError::NoResult { why, .. } => {
+                no_result("split", format!("{why}; before that, {failure}; {CURE_OF_NO_RESULT}"))
+            }
             other => other,
         };
         self.seconds.add("split", made.seconds);
@@ -494,6 +501,14 @@ impl<'a> Run<'a> {
         Part { quads, area, diagonal, features, solution, attempt, solves, distances, warnings, seconds }
     }
 }
+
+/// What helps where not even split triangles pass: nearly always sheets that cannot be told apart.
+const CURE_OF_NO_RESULT: &str = "where sheets lie on each other, with no thickness between them, delete one of them or \
+                                 move them apart; elsewhere mend the surface at the places named, or ask for more quads \
+                                 (--quads)";
+
+/// What helps where no map is found and no triangles are to be split.
+const CURE_WITHOUT_FALLBACK: &str = "ask for more quads (--quads), or let triangles be split (--fallback split)";
 
 /// Quads of split triangles.
 struct Split {
@@ -527,8 +542,72 @@ fn left_warning(report: &FinishReport) -> Option<Warning> {
     (far > FAR_LEFT_REL).then(|| Warning::new(WarningCode::FeaturesLeft, message))
 }
 
+fn noise_warning() -> Warning {
+    let message = "the surface is rough at the size of its quads: directions were taken from a smoothed copy";
+    Warning::new(WarningCode::NoiseSmoothed, message)
+}
+
 fn fold_warning(solution: &Solution) -> Option<Warning> {
     let folds = solution.map.parametrization.inverted.len();
     let message = format!("{folds} triangles of the map are inverted; the quads around them were closed up");
     (folds > 0).then(|| Warning::new(WarningCode::FoldsSurvived, message))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sphere of rings pressed flat: two sheets on each other, of which no vertex of one is one of the other.
+    fn pressed_sphere() -> TriMesh {
+        const RINGS: u32 = 7;
+        const AROUND: u32 = 12;
+        let mut positions = vec![DVec3::ZERO];
+        for k in 1..RINGS {
+            let radius = (f64::from(k) * std::f64::consts::PI / f64::from(RINGS)).sin();
+            let angle = |j: u32| std::f64::consts::TAU * (f64::from(j) + 0.3 * f64::from(k)) / f64::from(AROUND);
+            positions.extend((0..AROUND).map(|j| DVec3::new(radius * angle(j).cos(), radius * angle(j).sin(), 0.0)));
+        }
+        positions.push(DVec3::new(0.01, 0.0, 0.0));
+        let last = positions.len() as u32 - 1;
+        let at = |k: u32, j: u32| 1 + (k - 1) * AROUND + j % AROUND;
+        let mut faces = Vec::new();
+        for j in 0..AROUND {
+            faces.push([0, at(1, j), at(1, j + 1)]);
+            faces.push([last, at(RINGS - 1, j + 1), at(RINGS - 1, j)]);
+            for k in 1..RINGS - 1 {
+                faces.push([at(k, j), at(k + 1, j), at(k + 1, j + 1)]);
+                faces.push([at(k, j), at(k + 1, j + 1), at(k, j + 1)]);
+            }
+        }
+        TriMesh::new(positions, &faces).expect("a sphere")
+    }
+
+    fn asked_of(mesh: &TriMesh, attempts: usize) -> PartRequest<'_> {
+        PartRequest {
+            mesh,
+            quads: 60,
+            features: FeatureRequest::default(),
+            field: None,
+            sizes: SizeRequest::default(),
+            singularities: Vec::new(),
+            ties: Vec::new(),
+            attempts,
+        }
+    }
+
+    #[test]
+    fn no_result_without_a_fallback_names_it() {
+        let mesh = pressed_sphere();
+        let options = RemeshOptions { fallback: Fallback::Off, ..RemeshOptions::default() };
+        let error = remesh_part(&asked_of(&mesh, 0), &options, &Progress::none()).expect_err("no attempt");
+        assert!(error.to_string().contains("--fallback split"), "{error}");
+    }
+
+    #[test]
+    fn sheets_without_thickness_are_told_their_cure() {
+        let mesh = pressed_sphere();
+        let error =
+            remesh_part(&asked_of(&mesh, 0), &RemeshOptions::default(), &Progress::none()).expect_err("no thickness");
+        assert!(error.to_string().contains("move them apart"), "{error}");
+    }
 }
