@@ -56,28 +56,28 @@ pub struct RemeshArgs {
     pub output: PathBuf,
 
     /// Number of quads [default: a quarter of the triangles, 500 to 50000]
-    #[arg(long, value_name = "N", help_heading = "Size")]
+    #[arg(long, value_name = "N", value_parser = parse_quads, help_heading = "Size")]
     pub quads: Option<usize>,
     /// Mean edge length, in units of the file; above 0
-    #[arg(long, value_name = "L", help_heading = "Size")]
+    #[arg(long, value_name = "L", value_parser = parse_above_zero, help_heading = "Size")]
     pub edge_length: Option<f64>,
     /// Mean edge length, in mean edge lengths of the input; above 0
-    #[arg(long, value_name = "S", help_heading = "Size")]
+    #[arg(long, value_name = "S", value_parser = parse_above_zero, help_heading = "Size")]
     pub scale: Option<f64>,
     /// How far the count may be off, percent; above 0
-    #[arg(long, value_name = "PERCENT", default_value_t = 10.0, help_heading = "Size")]
+    #[arg(long, value_name = "PERCENT", value_parser = parse_above_zero, default_value_t = 10.0, help_heading = "Size")]
     pub tolerance: f64,
     /// How strongly sizes vary over the surface, 0 to 1
-    #[arg(long, value_name = "A", default_value_t = 0.0, help_heading = "Size")]
+    #[arg(long, value_name = "A", value_parser = parse_part, default_value_t = 0.0, help_heading = "Size")]
     pub adaptivity: f64,
-    /// What they follow
-    #[arg(long, value_enum, default_value_t = AdaptToArg::Curvature, help_heading = "Size")]
+    /// What they follow; needs --adaptivity
+    #[arg(long, value_enum, default_value_t = AdaptToArg::Curvature, requires = "adaptivity", help_heading = "Size")]
     pub adapt_to: AdaptToArg,
     /// How strongly quads stretch where the surface is straight, 0 to 1
-    #[arg(long, value_name = "A", default_value_t = 0.0, help_heading = "Size")]
+    #[arg(long, value_name = "A", value_parser = parse_part, default_value_t = 0.0, help_heading = "Size")]
     pub anisotropy: f64,
     /// How far sizes may follow the cross field so that quads stay square, 0 to 1
-    #[arg(long, value_name = "A", default_value_t = 0.6, help_heading = "Size")]
+    #[arg(long, value_name = "A", value_parser = parse_part, default_value_t = 0.6, help_heading = "Size")]
     pub curl_correction: f64,
     /// Vertex attribute of the input that multiplies the density of quads
     #[arg(long, value_name = "NAME", help_heading = "Size")]
@@ -152,8 +152,8 @@ pub struct RunArgs {
     /// Threads to use, at most four for each core [default: one for each]; the result does not depend on it
     #[arg(long, value_name = "N", value_parser = parse_threads, help_heading = "Run")]
     pub threads: Option<usize>,
-    /// Seed of everything that samples
-    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Run")]
+    /// Seed of everything that samples: a whole number from 0
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_seed, help_heading = "Run")]
     pub seed: u64,
     /// Print errors only
     #[arg(short, long, help_heading = "Run")]
@@ -175,7 +175,7 @@ pub struct FieldArgs {
     /// Write the singular vertices: lines of vertex number and index in quarters
     #[arg(long, value_name = "FILE")]
     pub write_singularities: Option<PathBuf>,
-    /// Edges that bend by more are followed, degrees, or off
+    /// Edges that bend by more are followed, degrees above 0 and up to 180, or off
     #[arg(long, value_name = "DEG", default_value = "35", value_parser = parse_sharp_angle)]
     pub sharp_angle: SharpAngle,
     /// Edges to follow besides: .sharp, .obj with l lines, or two vertex numbers from 0 a line
@@ -201,6 +201,9 @@ pub struct CheckArgs {
     /// The surface whose topology a quad mesh must have
     #[arg(long, value_name = "IN")]
     pub reference: Option<String>,
+    /// Edges of the reference that bend by more are sharp, as in remesh: degrees above 0 and up to 180, or off
+    #[arg(long, value_name = "DEG", default_value = "35", value_parser = parse_sharp_angle, requires = "reference")]
+    pub sharp_angle: SharpAngle,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -249,8 +252,27 @@ fn parse_sharp_angle(text: &str) -> Result<SharpAngle, String> {
     if text == "off" {
         return Ok(SharpAngle(None));
     }
-    let degrees: f64 = text.parse().map_err(|_| "a number of degrees, or off".to_string())?;
-    Ok(SharpAngle(Some(degrees)))
+    let degrees = text.parse().ok().filter(|&a: &f64| a > 0.0 && a <= 180.0);
+    degrees.map(|a| SharpAngle(Some(a))).ok_or_else(|| "degrees above 0 and up to 180, or off, are needed".into())
+}
+
+fn parse_quads(text: &str) -> Result<usize, String> {
+    let quads = text.parse().ok().filter(|&n: &usize| n > 0);
+    quads.ok_or_else(|| "a whole number from 1 is needed, as in 3000".into())
+}
+
+fn parse_seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| "a whole number from 0 is needed".into())
+}
+
+fn parse_above_zero(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|&x: &f64| x > 0.0 && x.is_finite());
+    number.ok_or_else(|| "a finite number above 0 is needed, with a decimal point".into())
+}
+
+fn parse_part(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x: &f64| (0.0..=1.0).contains(x));
+    number.ok_or_else(|| "a number from 0 to 1 is needed".into())
 }
 
 fn parse_seconds(text: &str) -> Result<f64, String> {

@@ -141,13 +141,99 @@ fn unreadable_input_is_3() {
 fn unwritable_output_is_3_and_found_before_anything_is_computed() {
     let bench = Bench::new();
     bench.line("remesh sample:lattice -o nowhere/out.obj").fails_with(3, &["nowhere", "folder"]);
-    bench.line("remesh sample:lattice -o out.xyz").fails_with(3, &["out.xyz", ".vtu"]);
-    bench.line("remesh sample:lattice -o out.obj --view v.txt").fails_with(3, &["v.txt", ".html"]);
-    bench.line("remesh sample:lattice -o out.obj --write-field f.txt").fails_with(3, &["f.txt", ".rosy"]);
-    bench.line("remesh sample:lattice -o out.obj --write-map m.ply").fails_with(3, &["m.ply", ".obj"]);
-    bench.line("view sample:lattice -o v.obj").fails_with(3, &["v.obj", ".html"]);
     bench.line("remesh sample:lattice -o out.obj --report nowhere/r.json").fails_with(3, &["nowhere"]);
     assert!(bench.files().is_empty());
+    std::fs::create_dir(bench.path("sub")).expect("a folder");
+    std::fs::create_dir(bench.path("sub.obj")).expect("a folder");
+    for (line, suffix) in [
+        ("remesh sample:lattice -o sub", ".vtu"),
+        ("remesh sample:lattice -o sub.obj", ".vtu"),
+        ("convert sample:lattice sub/", ".vtu"),
+        ("field sample:lattice -o sub", ".rosy"),
+        ("view sample:lattice -o sub", ".html"),
+        ("remesh sample:lattice -o out.obj --report sub", "any name"),
+    ] {
+        bench.line(line).fails_with(3, &["sub", "this is a folder; name a file in it", suffix]);
+    }
+    assert_eq!(bench.files(), ["sub", "sub.obj"]);
+}
+
+#[test]
+fn suffixes_that_are_not_written_are_2_and_name_those_that_are() {
+    let bench = Bench::new();
+    for (line, words) in [
+        ("remesh sample:lattice -o out.xyz", ["out.xyz", ".xyz files are not written here", ".vtu"]),
+        ("remesh sample:lattice -o out", ["out", "no suffix", ".vtu"]),
+        ("remesh sample:lattice -o out.obj --view v.txt", ["v.txt", ".txt files", ".html"]),
+        ("remesh sample:lattice -o out.obj --write-field f.txt", ["f.txt", ".txt files", ".rosy"]),
+        ("remesh sample:lattice -o out.obj --write-map m.ply", ["m.ply", ".ply files", ".obj"]),
+        ("view sample:lattice -o v.obj", ["v.obj", ".obj files", ".html"]),
+        ("convert sample:lattice out.dae", ["out.dae", ".dae files", ".glb"]),
+        ("field sample:lattice -o out", ["out", "no suffix", ".rawfield"]),
+    ] {
+        bench.line(line).fails_with(2, &words);
+    }
+    assert!(bench.files().is_empty());
+}
+
+#[test]
+fn values_out_of_range_are_2_and_name_the_range() {
+    let bench = Bench::new();
+    for (option, values, range) in [
+        ("--quads", "0 -1 1e9 many", "a whole number from 1"),
+        ("--edge-length", "0 -1 nan inf long", "a finite number above 0"),
+        ("--scale", "0 -1 nan inf", "a finite number above 0"),
+        ("--tolerance", "0 -1 nan inf", "a finite number above 0"),
+        ("--adaptivity", "2 -0.1 nan", "a number from 0 to 1"),
+        ("--anisotropy", "2 -0.1 nan", "a number from 0 to 1"),
+        ("--curl-correction", "2 -0.1 nan", "a number from 0 to 1"),
+        ("--sharp-angle", "0 181 nan sharp", "degrees above 0 and up to 180, or off"),
+        ("--seed", "-1 0.5", "a whole number from 0"),
+    ] {
+        for value in values.split(' ') {
+            let ran = bench.line(&format!("remesh sample:lattice -o out.obj {option} {value}"));
+            ran.fails_with(2, &[option, value, range]);
+        }
+    }
+    bench.line("field sample:lattice -o out.rosy --sharp-angle 200").fails_with(2, &["up to 180"]);
+    assert!(bench.files().is_empty());
+}
+
+#[test]
+fn what_sizes_follow_is_refused_where_they_do_not_vary() {
+    let bench = Bench::new();
+    bench.line("remesh sample:lattice -o out.obj --adapt-to feature-size").fails_with(2, &["--adaptivity"]);
+    let varied = "remesh sample:torus -o out.obj --quads 300 --tolerance 90 --adapt-to feature-size --adaptivity 0.5";
+    bench.line(varied).succeeds();
+}
+
+#[test]
+fn ties_that_cannot_be_name_the_option_the_vertex_and_the_count() {
+    let bench = Bench::new();
+    let cube = common::read_count(&bench, "cube");
+    let numbers = [format!("has {cube}"), format!("from 0 to {}", cube - 1)];
+    let words = ["--tie 0,99999", "no vertex 99999", &numbers[0], &numbers[1], "name one of those"];
+    bench.line("remesh sample:cube -o out.obj --tie 0,99999").fails_with(4, &words);
+    let apart =
+        format!("remesh sample:two_spheres -o out.obj --tie 0,{}", common::read_count(&bench, "two_spheres") - 1);
+    bench.line(&apart).fails_with(4, &["--tie 0,", "components 1 and 2", "one component"]);
+    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\nf 1 3 4\n";
+    bench.write("loose.obj", text);
+    bench.line("remesh loose.obj -o out.obj --tie 0,4").fails_with(4, &["--tie 0,4", "vertex 4", "on no face"]);
+    assert!(!bench.path("out.obj").exists());
+}
+
+#[test]
+fn a_field_that_is_none_is_told_what_is_read() {
+    let bench = Bench::new();
+    bench.line("convert sample:torus t.obj").succeeds();
+    bench.write("hello.txt", "hello\n");
+    for name in ["t.obj", "hello.txt"] {
+        let ran = bench.line(&format!("remesh sample:torus -o out.obj --field {name}"));
+        ran.fails_with(3, &[name, ".rosy", ".rawfield"]);
+    }
+    bench.write("broken.rosy", "hello\n");
+    bench.line("remesh sample:torus -o out.obj --field broken.rosy").fails_with(3, &["broken.rosy", "line 1", "hello"]);
 }
 
 #[test]

@@ -378,14 +378,27 @@ fn an_empty_list_asks_for_no_singular_vertex() {
 fn curves_that_are_elsewhere_and_edges_that_are_not_there_are_told() {
     let bench = Bench::new();
     bench.write("far.json", "[[[0,0,90],[9,0,90]]]");
-    let ran = bench.line("remesh sample:torus -o out.obj --quads 300 --tolerance 90 --guides far.json");
-    assert!(matches!(ran.code, 0 | 6) && ran.stderr.contains("1 of 1 drawn curves are far"), "{}", ran.stderr);
+    let line = "remesh sample:torus -o out.obj --quads 300 --tolerance 90 --report r.json --guides";
+    bench.line(&format!("{line} far.json")).fails_by_missing(&["1 of 1 drawn curves (--guides) are far"]);
+    assert!(report(&bench, "r.json")["warnings"].to_string().contains("guide_far"));
+    // One that holds beside one that does not.
+    let meridian: Vec<String> = (0..=24)
+        .map(|i| f64::from(i) * std::f64::consts::TAU / 24.0)
+        .map(|t| format!("[{},0,{}]", 1.0 + 0.4 * t.cos(), 0.4 * t.sin()))
+        .collect();
+    bench.write("one.json", format!("[[{}]]", meridian.join(",")));
+    bench.line(&format!("{line} one.json")).succeeds();
+    bench.write("both.json", format!("[[{}],[[0,0,90],[9,0,90]]]", meridian.join(",")));
+    bench.line(&format!("{line} both.json")).fails_by_missing(&["1 of 2 drawn curves", "of curve 2 is"]);
+    bench.write("dot.json", "[[[1.4,0,0],[1.4,0.0001,0]]]");
+    bench.line(&format!("{line} dot.json")).fails_by_missing(&["1 of 1 drawn curves", "shorter than the triangles"]);
     bench.write("none.json", "[]");
     bench.line("remesh sample:torus -o out.obj --guides none.json").fails_with(3, &["none.json", "no curve"]);
-    bench.write("pairs.txt", "7 300\n");
+    bench.write("pairs.txt", "# edges\n7 300\n");
     let line = "remesh sample:torus -o out.obj --quads 300 --tolerance 90 --features pairs.txt";
-    bench.line(line).fails_by_missing(&["first: vertices 7 and 300"]);
-    bench.line("field sample:torus -o out.rosy --features pairs.txt").fails_by_missing(&["vertices 7 and 300"]);
+    let words = ["first: vertices 7 and 300", "pairs.txt, line 2"];
+    bench.line(line).fails_by_missing(&words);
+    bench.line("field sample:torus -o out.rosy --features pairs.txt").fails_by_missing(&words);
 }
 
 #[test]
@@ -423,4 +436,49 @@ fn seconds_are_those_of_the_clock() {
     let said = ran.stderr.lines().last().and_then(|l| l.rsplit(", ").next()?.strip_suffix(" s")?.parse::<f64>().ok());
     assert!(said.is_some_and(|s| s + 0.01 >= total && s <= most), "{} of {most}", ran.stderr);
     assert!(report["units"]["seconds"].as_str().is_some_and(|u| u.contains("summed over components")));
+}
+
+#[test]
+fn a_tiny_component_beside_a_large_one_has_a_map_and_costs_no_exit_code() {
+    let bench = Bench::new();
+    let (mut points, mut faces) = shape(&bench, "sphere");
+    let count = points.len();
+    let small: Vec<[f64; 3]> = points.iter().map(|p| [3.0 + 0.02 * p[0], 0.02 * p[1], 0.02 * p[2]]).collect();
+    let copies: Vec<Vec<usize>> = faces.iter().map(|f| f.iter().map(|v| v + count).collect()).collect();
+    points.extend(small);
+    faces.extend(copies);
+    write_obj(&bench, "two.obj", &points, &faces);
+    bench.line("remesh two.obj -o out.obj --quads 1000 --report r.json").succeeds();
+    let report = report(&bench, "r.json");
+    for component in report["components"].as_array().expect("a list") {
+        assert_eq!(component["made_by"], "integer-grid map", "{component}");
+    }
+    let error = report["count"]["error_percent"].as_f64().expect("a number");
+    assert!(error.abs() <= 10.0, "{error}");
+}
+
+#[test]
+fn a_check_knows_the_sharp_edges_that_were_asked_for() {
+    let bench = Bench::new();
+    bench.line("remesh sample:cube -o out.obj --quads 300 --tolerance 90 --sharp-angle off").succeeds();
+    bench.line("check out.obj --reference sample:cube --sharp-angle off").succeeds();
+    bench.line("check out.obj --sharp-angle 20").fails_with(2, &["--reference"]);
+    bench.line("check out.obj --reference sample:cube --sharp-angle 500").fails_with(2, &["up to 180"]);
+}
+
+#[test]
+fn warnings_of_attempts_that_were_not_used_say_so() {
+    let bench = Bench::new();
+    bench.line("remesh sample:plate -o out.obj --quads 80 --tolerance 90 --report r.json").succeeds();
+    let report = report(&bench, "r.json");
+    let warnings = report["warnings"].as_array().expect("a list");
+    let (retried, others): (Vec<&Value>, Vec<&Value>) = warnings.iter().partition(|w| w["code"] == "retried");
+    assert!(!retried.is_empty(), "{warnings:?}");
+    for message in retried.iter().filter_map(|w| w["message"].as_str()) {
+        assert!(message.starts_with("an attempt at ") && message.contains("was not used: "), "{message}");
+        // What is wrong with the attempt that was used is told once.
+        let told = |w: &&Value| w["message"].as_str().is_some_and(|other| message.ends_with(other));
+        assert!(!others.iter().any(told), "{warnings:?}");
+    }
+    assert_eq!(report["map"]["flips"], 0);
 }

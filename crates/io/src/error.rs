@@ -154,8 +154,16 @@ pub enum IoError {
         /// What does not fit.
         what: String,
     },
+    /// The output is a folder.
+    #[error("{}: this is a folder; name a file in it ({expected})", path.display())]
+    OutputFolder {
+        /// The path asked for.
+        path: PathBuf,
+        /// The extensions that would do.
+        expected: &'static str,
+    },
     /// The extension of the output is not one that is written.
-    #[error("{}: cannot write this kind of file here; use {expected}", path.display())]
+    #[error("{}: {}; use {expected}", path.display(), unknown_suffix(path))]
     UnknownOutput {
         /// The path asked for.
         path: PathBuf,
@@ -241,6 +249,7 @@ impl IoError {
             | Self::NoFaces { path, .. }
             | Self::NoPolylines { path }
             | Self::Mismatch { path, .. }
+            | Self::OutputFolder { path, .. }
             | Self::UnknownOutput { path, .. }
             | Self::InvalidSurface { path, .. }
             | Self::NoFolder { path }
@@ -248,6 +257,14 @@ impl IoError {
             | Self::Unwritable { path, .. }
             | Self::PartlyWritten { path, .. } => path,
         }
+    }
+}
+
+/// What is wrong with the extension of an output.
+fn unknown_suffix(path: &Path) -> String {
+    match path.extension().map(|e| e.to_string_lossy()) {
+        None => "the name has no suffix, which tells the format".into(),
+        Some(suffix) => format!(".{suffix} files are not written here"),
     }
 }
 

@@ -197,7 +197,11 @@ impl FeatureFile {
         let found = match self {
             Self::Sides { sides, .. } => sides.iter().map(|(line, s)| side_ends(*line, s, soup)).collect(),
             Self::Pairs { pairs, .. } => pairs.iter().map(|(line, p)| pair_in_range(*line, p, soup)).collect(),
-            Self::Curves { positions, polylines, .. } => curve_edges(positions, polylines, soup),
+            Self::Curves { positions, polylines, .. } => {
+                let vertices = VertexFinder::new(&soup.positions);
+                let edges = polylines.iter().map(|polyline| curve_edges(positions, polyline, &vertices));
+                edges.collect::<Result<Vec<_>, _>>().map(|edges| edges.concat())
+            }
         };
         let mismatch = |what| IoError::Mismatch { path: self.path().to_path_buf(), what };
         let mut pairs: Vec<[u32; 2]> = found.map_err(mismatch)?;
@@ -208,6 +212,29 @@ impl FeatureFile {
         pairs.sort_unstable();
         pairs.dedup();
         Ok(pairs)
+    }
+
+    /// Where the file names an edge of `soup` first: a line, or a polyline, whose lines are not known.
+    ///
+    /// # Output     `None` if it does not
+    /// # Cost       linear
+    pub fn place_of(&self, pair: [u32; 2], soup: &FaceSoup) -> Option<String> {
+        let same = |&[a, b]: &[u32; 2]| pair == [a, b] || pair == [b, a];
+        let of_line = |line: u64| format!("line {line}");
+        match self {
+            Self::Sides { sides, .. } => {
+                let named = |s: &(u64, SharpSide)| side_ends(s.0, &s.1, soup).is_ok_and(|ends| same(&ends));
+                sides.iter().find(|s| named(s)).map(|s| of_line(s.0))
+            }
+            Self::Pairs { pairs, .. } => pairs.iter().find(|(_, p)| same(p)).map(|p| of_line(p.0)),
+            Self::Curves { positions, polylines, .. } => {
+                let vertices = VertexFinder::new(&soup.positions);
+                let named = |polyline: &Vec<u32>| {
+                    curve_edges(positions, polyline, &vertices).is_ok_and(|edges| edges.iter().any(same))
+                };
+                polylines.iter().position(named).map(|k| format!("polyline {}", k + 1))
+            }
+        }
     }
 }
 
@@ -231,23 +258,18 @@ fn pair_in_range(line: u64, pair: &[u32; 2], soup: &FaceSoup) -> Result<[u32; 2]
     }
 }
 
-fn curve_edges(positions: &[DVec3], polylines: &[Vec<u32>], soup: &FaceSoup) -> Result<Vec<[u32; 2]>, String> {
-    let vertices = VertexFinder::new(&soup.positions);
-    let mut edges = Vec::new();
-    for polyline in polylines {
-        let found: Vec<u32> = polyline
-            .iter()
-            .map(|&k| {
-                let p = positions[k as usize];
-                vertices.at(p).ok_or_else(|| {
-                    let [x, y, z] = p.to_array().map(text::Shortest);
-                    format!("its point ({x}, {y}, {z}) is no vertex of the mesh")
-                })
+fn curve_edges(positions: &[DVec3], polyline: &[u32], vertices: &VertexFinder) -> Result<Vec<[u32; 2]>, String> {
+    let found: Vec<u32> = polyline
+        .iter()
+        .map(|&k| {
+            let p = positions[k as usize];
+            vertices.at(p).ok_or_else(|| {
+                let [x, y, z] = p.to_array().map(text::Shortest);
+                format!("its point ({x}, {y}, {z}) is no vertex of the mesh")
             })
-            .collect::<Result<_, _>>()?;
-        edges.extend(found.windows(2).map(|w| [w[0], w[1]]));
-    }
-    Ok(edges)
+        })
+        .collect::<Result<_, _>>()?;
+    Ok(found.windows(2).map(|w| [w[0], w[1]]).collect())
 }
 
 /// Points this close, relative to the bounding box's diagonal, are the same. Files with six significant digits move
@@ -312,6 +334,9 @@ mod tests {
             FeatureFile::Curves { path, positions, polylines: vec![vec![0, 1, 2]] },
         ] {
             assert_eq!(file.vertex_pairs(&square()).unwrap(), [[0, 2], [2, 3]], "{file:?}");
+            let place = file.place_of([2, 3], &square()).expect("named");
+            assert!(["line 3", "line 4", "polyline 1"].contains(&place.as_str()), "{file:?}: {place}");
+            assert_eq!(file.place_of([1, 3], &square()), None);
         }
     }
 

@@ -66,12 +66,14 @@ pub enum RemeshError {
         why: String,
     },
     /// An option has a value that cannot be meant.
-    #[error("--{option} {value}: out of range; `quadloom remesh --help` has the ranges")]
+    #[error("--{option} {value}: {allowed} is needed")]
     Option {
         /// Its name on the command line.
         option: &'static str,
         /// Its value.
         value: f64,
+        /// What it may be.
+        allowed: &'static str,
     },
     /// More quads than can be made.
     #[error(
@@ -141,6 +143,7 @@ impl RemeshError {
             | Self::SameFile { .. }
             | Self::NoSample(_) => FailureKind::Usage,
             Self::Of { error, .. } => error.kind(),
+            Self::File(quadloom_io::IoError::UnknownOutput { .. }) => FailureKind::Usage,
             // The file was read; it belongs to another input.
             Self::File(quadloom_io::IoError::Mismatch { .. }) => FailureKind::Rejected,
             Self::File(_) | Self::NoFaces => FailureKind::Unreadable,
@@ -234,6 +237,7 @@ impl WarningCode {
             Self::CountMissed
             | Self::FacingUnclear
             | Self::FeatureMissed
+            | Self::GuideFar
             | Self::SingularitiesMissed
             | Self::TieMissed
             | Self::TrianglesSplit => 0,
@@ -242,7 +246,6 @@ impl WarningCode {
             | Self::FeaturesLeft
             | Self::DefaultCountMissed
             | Self::TopologyRepaired
-            | Self::GuideFar
             | Self::Ignored => 1,
             Self::FoldsSurvived | Self::LooseFeaturesDropped | Self::NoiseSmoothed | Self::Repaired => 2,
             Self::Retried => 3,

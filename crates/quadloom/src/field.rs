@@ -92,7 +92,11 @@ fn check_singularities(mesh: &TriMesh, request: &FieldRequest) -> Result<bool, R
     let mut quarters: BTreeMap<VertexId, Vec<i32>> = BTreeMap::new();
     for &(v, index) in listed {
         if v as usize >= mesh.vertex_count() {
-            return Err(unfit(format!("there is no vertex {v} on the surface")));
+            let count = mesh.vertex_count();
+            let last = count.saturating_sub(1);
+            return Err(unfit(format!(
+                "there is no vertex {v}: the input has {count}, numbered from 0 to {last}; name one of those"
+            )));
         }
         quarters.entry(VertexId(v)).or_default().push(index);
     }

@@ -31,6 +31,12 @@ pub fn trace_guides(mesh: &TriMesh, guides: &[Vec<DVec3>]) -> Vec<EdgeId> {
     edges
 }
 
+/// Whether all points of a curve are nearest to one vertex, so that no edge is along it.
+pub fn is_at_one_vertex(mesh: &TriMesh, guide: &[DVec3]) -> bool {
+    let mut stops = guide.iter().map(|&p| nearest_vertex(mesh, p));
+    stops.next().is_none_or(|first| stops.all(|stop| stop == first))
+}
+
 fn nearest_vertex(mesh: &TriMesh, p: DVec3) -> Option<VertexId> {
     let distance = |v: &VertexId| mesh.position(*v).distance_squared(p);
     mesh.vertices().min_by(|a, b| distance(a).total_cmp(&distance(b)))

@@ -3,7 +3,7 @@
 //! In: what a user typed. Out: [`FaceSoup`]. Holds: what [`quadloom_io::read_soup`] holds.
 
 use crate::error::RemeshError;
-use quadloom_io::{read_rawfield, read_rosy, read_soup};
+use quadloom_io::{IoError, read_rawfield, read_rosy, read_soup};
 use quadloom_mesh::shapes::sample;
 use quadloom_mesh::{DVec3, FaceSoup};
 use std::path::{Path, PathBuf};
@@ -93,7 +93,7 @@ pub fn check_extent(soup: &FaceSoup) -> Result<(), RemeshError> {
 
 /// Reads one direction per face from a `.rosy` or `.rawfield` file.
 ///
-/// # Errors     every error of reading; an extension that is no field's; a field without directions
+/// # Errors     every error of reading; neither extension nor content of a field; a field without directions
 pub fn load_field(path: &Path) -> Result<Vec<DVec3>, RemeshError> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("rawfield") => {
@@ -104,9 +104,17 @@ pub fn load_field(path: &Path) -> Result<Vec<DVec3>, RemeshError> {
                 why: format!("{} has no vectors", path.display()),
             })
         }
-        _ => Ok(read_rosy(path)?),
+        Some("rosy") => Ok(read_rosy(path)?),
+        // Any other name will do if the content does.
+        _ => read_rosy(path).map_err(|error| match error {
+            IoError::Content { path, .. } => IoError::UnknownFormat { path, expected: FIELDS_READ }.into(),
+            other => other.into(),
+        }),
     }
 }
+
+/// Formats of cross fields that are read.
+const FIELDS_READ: &str = "a cross field (.rosy or .rawfield, as `quadloom field` writes them)";
 
 #[cfg(test)]
 mod tests {

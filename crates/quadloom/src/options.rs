@@ -147,21 +147,25 @@ impl Default for RemeshOptions {
 impl RemeshOptions {
     /// Names the first option whose value cannot be meant.
     pub fn check(&self) -> Result<(), RemeshError> {
-        let positive = |name, value: f64| (value > 0.0 && value.is_finite()).then_some(()).ok_or((name, value));
-        let part = |name, value: f64| (0.0..=1.0).contains(&value).then_some(()).ok_or((name, value));
+        let in_range = |fits: bool, name, value, allowed| if fits { Ok(()) } else { Err((name, value, allowed)) };
+        let above = |name, value: f64, allowed| in_range(value > 0.0 && value.is_finite(), name, value, allowed);
+        let part = |name, value: f64| in_range((0.0..=1.0).contains(&value), name, value, "a number from 0 to 1");
         let checked = match self.target {
             Target::Auto => Ok(()),
-            Target::Quads(n) => positive("quads", n as f64),
-            Target::EdgeLength(l) => positive("edge-length", l),
-            Target::Scale(s) => positive("scale", s),
+            Target::Quads(n) => above("quads", n as f64, "a whole number from 1"),
+            Target::EdgeLength(l) => above("edge-length", l, "a finite length above 0, in units of the file,"),
+            Target::Scale(s) => above("scale", s, "a finite number above 0, in mean edge lengths of the input,"),
         };
+        let percent = 100.0 * self.tolerance;
         checked
-            .and(positive("tolerance", self.tolerance))
+            .and(above("tolerance", percent, "a finite number of percent above 0"))
             .and(part("adaptivity", self.adaptivity))
             .and(part("anisotropy", self.anisotropy))
             .and(part("curl-correction", self.curl_correction))
-            .and(self.sharp_angle.map_or(Ok(()), |a| (a > 0.0 && a <= 180.0).then_some(()).ok_or(("sharp-angle", a))))
-            .map_err(|(option, value)| RemeshError::Option { option, value })?;
+            .and(self.sharp_angle.map_or(Ok(()), |a| {
+                in_range(a > 0.0 && a <= 180.0, "sharp-angle", a, "a number of degrees above 0 and up to 180")
+            }))
+            .map_err(|(option, value, allowed)| RemeshError::Option { option, value, allowed })?;
         match self.ties.iter().find(|[a, b]| a == b) {
             Some(&[vertex, _]) => Err(RemeshError::TiedToItself(vertex)),
             None => Ok(()),

@@ -8,6 +8,7 @@
 use crate::components::{join, shares};
 use crate::error::{RemeshError, Warning, WarningCode};
 use crate::features::FeatureRequest;
+use crate::guides::is_at_one_vertex;
 use crate::input::check_extent;
 use crate::inspect::{as_read, topology_warning};
 use crate::ladder::attempts_of_piece;
@@ -231,10 +232,8 @@ fn requests<'a>(
     warnings.extend(missing_edges_warning(&missing));
     // 2. Singular vertices.
     for &(asked, quarters) in options.singularities.iter().flatten() {
-        let (i, vertex) = find(asked).ok_or_else(|| RemeshError::Mismatch {
-            what: "the list of singularities",
-            why: format!("there is no vertex {asked} on the surface"),
-        })?;
+        let (i, vertex) = find(asked)
+            .ok_or_else(|| RemeshError::Mismatch { what: "the list of singularities", why: no_vertex(soup, asked) })?;
         requests[i].singularities.push(SingularityRequest { asked, vertex, quarters, named: true });
     }
     if options.singularities.as_ref().is_some_and(Vec::is_empty) && !options.other_singularities {
@@ -250,25 +249,45 @@ fn requests<'a>(
         let [a, b] = asked.map(find);
         match (a, b) {
             (Some((i, a)), Some((j, b))) if i == j && a == b => {
-                let why = format!("vertices {} and {} are one point of the surface", asked[0], asked[1]);
-                return Err(RemeshError::Mismatch { what: "--tie", why });
+                let why = format!(
+                    "--tie {},{}: both are one point of the surface; name two different ones",
+                    asked[0], asked[1]
+                );
+                return Err(RemeshError::Mismatch { what: "a tie", why });
             }
             (Some((i, a)), Some((j, b))) if i == j => {
                 requests[i].ties.push(TieRequest { asked, vertices: [a, b] });
             }
-            _ => {
-                let why = format!("vertices {} and {} are not both on one component of it", asked[0], asked[1]);
-                return Err(RemeshError::Mismatch { what: "--tie", why });
+            (Some((i, _)), Some((j, _))) => {
+                let why = format!(
+                    "--tie {},{}: its ends are on components {} and {} of the surface, and no chain of quad edges \
+                     leads from one to another; name two vertices of one component",
+                    asked[0],
+                    asked[1],
+                    i + 1,
+                    j + 1
+                );
+                return Err(RemeshError::Mismatch { what: "a tie", why });
+            }
+            (a, _) => {
+                let lacking = asked[usize::from(a.is_some())];
+                let why = format!("--tie {},{}: {}", asked[0], asked[1], no_vertex(soup, lacking));
+                return Err(RemeshError::Mismatch { what: "a tie", why });
             }
         }
     }
     // 4. Curves go to the component that their first point is nearest to.
-    for guide in &options.guides {
+    let mut points = Vec::new();
+    for (k, guide) in options.guides.iter().enumerate() {
         if let Some(i) = nearest_component(&repaired.mesh, &place, guide) {
             requests[i].features.guides.push(guide.clone());
+            points.extend(is_at_one_vertex(&components[i].mesh, guide).then_some(k));
         }
     }
-    warnings.extend(far_guides(&repaired.mesh, &options.guides));
+    let far = far_guides(&repaired.mesh, &options.guides);
+    warnings.extend(far_guides_warning(&repaired.mesh, options.guides.len(), &far));
+    points.retain(|k| far.iter().all(|f| f.0 != *k));
+    warnings.extend(short_guides_warning(options.guides.len(), &points));
     // 5. Density.
     if let Some(name) = &options.density {
         let value = density(soup, name)?;
@@ -338,7 +357,8 @@ fn check_area(soup: &FaceSoup, repaired: &Repaired, components: &[Component]) ->
 pub(crate) fn missing_edges_warning(missing: &[[u32; 2]]) -> Option<Warning> {
     let &[a, b] = missing.first()?;
     let message = format!(
-        "{} feature edges are not edges of the mesh and are not kept (first: vertices {a} and {b})",
+        "{} feature edges are not edges of the mesh and are not kept (first: vertices {a} and {b}); an edge is named by its \
+         two ends",
         missing.len()
     );
     let elements = Elements::Vertices(missing.as_flattened().to_vec());
@@ -350,10 +370,10 @@ pub(crate) fn missing_edges_warning(missing: &[[u32; 2]]) -> Option<Warning> {
 /// Curves drawn with few points leave a surface by a hundredth; those in other units or places are nowhere near.
 const FAR_GUIDE_REL: f64 = 0.05;
 
-/// A warning about drawn curves that are somewhere else; they are traced all the same, along what is nearest.
-fn far_guides(mesh: &TriMesh, guides: &[Vec<DVec3>]) -> Option<Warning> {
+/// Drawn curves that are somewhere else, each with its farthest point and that one's distance.
+fn far_guides(mesh: &TriMesh, guides: &[Vec<DVec3>]) -> Vec<(usize, (usize, f64))> {
     if guides.is_empty() {
-        return None;
+        return Vec::new();
     }
     let tree = ClosestPoint::new(mesh);
     let limit = FAR_GUIDE_REL * mesh.diagonal();
@@ -362,18 +382,47 @@ fn far_guides(mesh: &TriMesh, guides: &[Vec<DVec3>]) -> Option<Warning> {
         distances.fold((0, 0.0), |far: (usize, f64), near| if near.1 > far.1 { near } else { far })
     };
     let all = guides.iter().map(farthest).enumerate();
-    let far: Vec<(usize, (usize, f64))> = all.filter(|(_, (_, distance))| *distance > limit).collect();
+    all.filter(|(_, (_, distance))| *distance > limit).collect()
+}
+
+/// A warning about drawn curves that are somewhere else; they are traced all the same, along what is nearest.
+fn far_guides_warning(mesh: &TriMesh, guides: usize, far: &[(usize, (usize, f64))]) -> Option<Warning> {
     let &(curve, (point, distance)) = far.first()?;
     let message = format!(
-        "{} of {} drawn curves are far from the surface (first: point {} of curve {} is {distance:.3e} away, the surface \
-         has a diagonal of {:.3e}); check their units and place",
+        "{} of {guides} drawn curves (--guides) are far from the surface, and at best the edges nearest to them are \
+         followed (first: point {} of curve {} is {distance:.3e} away, the surface has a diagonal of {:.3e}); check \
+         their units and place",
         far.len(),
-        guides.len(),
         point + 1,
         curve + 1,
         mesh.diagonal()
     );
     Some(Warning::new(WarningCode::GuideFar, message))
+}
+
+/// A warning about drawn curves without an edge along them.
+fn short_guides_warning(guides: usize, short: &[usize]) -> Option<Warning> {
+    let first = short.first()?;
+    let message = format!(
+        "{} of {guides} drawn curves (--guides) are shorter than the triangles under them, and nothing follows them (first: \
+         curve {}); draw longer ones, or refine the surface there",
+        short.len(),
+        first + 1
+    );
+    Some(Warning::new(WarningCode::FeatureMissed, message))
+}
+
+/// Says that a vertex is not there, and what is.
+fn no_vertex(soup: &FaceSoup, asked: u32) -> String {
+    match soup.positions.len() {
+        count if (asked as usize) < count => {
+            format!("vertex {asked} of the input is on no face that is left after repair; name one of a face")
+        }
+        count => format!(
+            "there is no vertex {asked}: the input has {count}, numbered from 0 to {}; name one of those",
+            count.saturating_sub(1)
+        ),
+    }
 }
 
 fn nearest_component(mesh: &TriMesh, place: &VertexMap<(usize, VertexId)>, guide: &[DVec3]) -> Option<usize> {

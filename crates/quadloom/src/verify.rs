@@ -5,7 +5,6 @@
 //! [`QuadMesh`]'s constructor has checked.
 
 use crate::features::{FeatureRequest, find_features};
-use crate::options::RemeshOptions;
 use quadloom_extract::{Facing, Reference, scaled_jacobian, split_at_centres};
 use quadloom_mesh::{ClosestPoint, DVec3, FaceId, QuadMesh, Summary, TriMesh, VertexId};
 use rayon::prelude::*;
@@ -102,11 +101,12 @@ pub fn lost_part(quads: &QuadMesh, surface: &TriMesh) -> Option<(VertexId, f64, 
     lost.into_iter().reduce(|a, b| if b.2 > a.2 { b } else { a })
 }
 
-/// [`verify`] against a surface with the sharp edges that a run at defaults would keep for quads of this size.
-pub fn verify_against(quads: &QuadMesh, surface: &TriMesh) -> Verification {
+/// [`verify`] against a surface with the sharp edges that a run would keep for quads of this size.
+///
+/// # Input      sharp_angle: as in [`crate::RemeshOptions`], degrees; `None`: no edge is sharp
+pub fn verify_against(quads: &QuadMesh, surface: &TriMesh, sharp_angle: Option<f64>) -> Verification {
     let length = |e| quads.ends(e).map(|v| quads.position(v));
     let total: f64 = quads.edges().map(length).map(|[a, b]| a.distance(b)).sum();
-    let sharp_angle = RemeshOptions::default().sharp_angle;
     let wanted = FeatureRequest { sharp_angle, ..FeatureRequest::default() };
     let features = find_features(surface, &wanted, total / quads.edge_count().max(1) as f64);
     verify(quads, &Reference::new(surface, &features.graph))

@@ -29,7 +29,7 @@ fn shapes_of_any_topology_become_valid_quads_of_the_count_asked_for() {
         let mesh = shape(name);
         let result = made(&mesh, &quads(n));
         assert!(Summary::of(&result.quads).same_topology(&Summary::of(&mesh)), "{name}");
-        assert!(verify_against(&result.quads, &mesh).passed(), "{name}");
+        assert!(verify_against(&result.quads, &mesh, Some(35.0)).passed(), "{name}");
         assert_eq!(result.report.components[0].made_by, "integer-grid map", "{name}: {:?}", result.report.warnings);
         let error = result.report.count.error_percent;
         assert!(error.abs() <= 10.0 || result.report.warnings.iter().any(|w| w.misses_request()), "{name}: {error} %");

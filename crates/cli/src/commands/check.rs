@@ -26,7 +26,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, RemeshError> {
         let surface = repaired.mesh;
         match as_quads(&soup) {
             Some(Ok(quads)) => {
-                let verification = verify_against(&quads, &surface);
+                let verification = verify_against(&quads, &surface, args.sharp_angle.0);
                 complaints.extend(Some(verification.complaint()).filter(|c| !c.is_empty()));
             }
             // The defects are listed already.

@@ -1,7 +1,7 @@
 //! `quadloom field`
 
 use super::files::Files;
-use super::{OutputKind, read, use_threads};
+use super::{OutputKind, name_places, read, use_threads};
 use crate::args::FieldArgs;
 use crate::console::Console;
 use crate::{exit, watchdog};
@@ -19,7 +19,8 @@ pub fn run(args: &FieldArgs) -> Result<ExitCode, RemeshError> {
     fewer.iter().for_each(|note| console.note(note));
     files(args).check()?;
     let soup = read(&args.input)?;
-    let features = args.features.as_ref().map(|path| read_features(path)?.vertex_pairs(&soup)).transpose()?;
+    let file = args.features.as_ref().map(read_features).transpose()?;
+    let features = file.as_ref().map(|file| file.vertex_pairs(&soup)).transpose()?;
     let singularities = args.singularities.as_ref().map(read_singularities).transpose()?;
     let request = FieldRequest {
         sharp_angle: args.sharp_angle.0,
@@ -27,7 +28,8 @@ pub fn run(args: &FieldArgs) -> Result<ExitCode, RemeshError> {
         singularities: singularities.map(|list| list.iter().map(|s| (s.vertex, s.quarters)).collect()),
         other_singularities: args.other_singularities,
     };
-    let solved = solve_field(&soup, &request, &progress).map_err(|e| e.of_input(&args.input))?;
+    let mut solved = solve_field(&soup, &request, &progress).map_err(|e| e.of_input(&args.input))?;
+    name_places(&mut solved.warnings, file.as_ref(), &soup);
     console.warnings(&solved.warnings);
     let _writing = watchdog::while_writing();
     let mut files = Batch::new();

@@ -77,14 +77,14 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 fn check_output(path: &Path, kind: OutputKind) -> Result<(), RemeshError> {
+    if path.is_dir() {
+        return Err(IoError::OutputFolder { path: path.to_path_buf(), expected: kind.expected() }.into());
+    }
     if !kind.has(path) {
         return Err(IoError::UnknownOutput { path: path.to_path_buf(), expected: kind.expected() }.into());
     }
     if !folder_of(path).is_dir() {
         return Err(IoError::NoFolder { path: path.to_path_buf() }.into());
-    }
-    if path.is_dir() {
-        return Err(IoError::IsDirectory { path: path.to_path_buf() }.into());
     }
     Ok(check_writable(path)?)
 }

@@ -10,9 +10,9 @@ pub mod stats;
 pub mod view;
 
 use crate::exit;
-use quadloom::io::{Batch, SurfaceOut, WriteOptions, stage_surface};
+use quadloom::io::{Batch, FeatureFile, SurfaceOut, WriteOptions, stage_surface};
 use quadloom::mesh::repair::{RepairOptions, Repaired, repair};
-use quadloom::{FaceSoup, RemeshError, Source, load};
+use quadloom::{Elements, FaceSoup, RemeshError, Source, Warning, WarningCode, load};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -25,6 +25,18 @@ fn read(input: &str) -> Result<FaceSoup, RemeshError> {
 /// The repaired surface of a soup; errors name the input.
 fn repaired(soup: &FaceSoup, input: &str) -> Result<Repaired, RemeshError> {
     repair(soup, &RepairOptions::default()).map_err(|e| RemeshError::from(e).of_input(input))
+}
+
+/// Says where a file of features names the first edge that the mesh does not have.
+fn name_places(warnings: &mut [Warning], features: Option<&FeatureFile>, soup: &FaceSoup) {
+    let Some(file) = features else { return };
+    for warning in warnings.iter_mut().filter(|w| w.code == WarningCode::FeatureMissed) {
+        let Elements::Vertices(ends) = &warning.elements else { continue };
+        let &[a, b, ..] = ends.as_slice() else { continue };
+        if let Some(place) = file.place_of([a, b], soup) {
+            warning.message += &format!(": {}, {place}", file.path().display());
+        }
+    }
 }
 
 /// Threads for each core beyond which more are not started: they only take turns, and thousands take minutes to start.

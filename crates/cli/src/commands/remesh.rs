@@ -1,11 +1,11 @@
 //! `quadloom remesh`
 
 use super::files::Files;
-use super::{OutputKind, read, stage, stage_text, use_threads};
+use super::{OutputKind, name_places, read, stage, stage_text, use_threads};
 use crate::args::{AdaptToArg, FallbackArg, MethodArg, RemeshArgs};
 use crate::console::Console;
 use crate::{exit, watchdog};
-use quadloom::io::{Batch, Format, read_features, read_guides, read_singularities, read_vertex_pairs};
+use quadloom::io::{Batch, FeatureFile, Format, read_features, read_guides, read_singularities, read_vertex_pairs};
 use quadloom::view::render_html;
 use quadloom::{
     AdaptTo, FaceSoup, Fallback, GivenField, Method, RemeshError, RemeshOptions, RemeshResult, Report, Target, output,
@@ -25,8 +25,10 @@ pub fn run(args: &RemeshArgs) -> Result<ExitCode, RemeshError> {
     files(args).check()?;
     progress.report("read", 0.0);
     let soup = read(&args.input)?;
-    let options = options(args, &soup)?;
-    let result = remesh(&soup, &options, &progress).map_err(|e| named(args, e))?;
+    let features = args.features.as_ref().map(read_features).transpose()?;
+    let options = options(args, &soup, features.as_ref())?;
+    let mut result = remesh(&soup, &options, &progress).map_err(|e| named(args, e))?;
+    name_places(&mut result.report.warnings, features.as_ref(), &soup);
     if options.target == Target::Auto {
         console.note(&default_count(&result));
     }
@@ -68,11 +70,8 @@ fn named(args: &RemeshArgs, error: RemeshError) -> RemeshError {
     error.of_input(&file)
 }
 
-fn options(args: &RemeshArgs, soup: &FaceSoup) -> Result<RemeshOptions, RemeshError> {
-    let features = match &args.features {
-        Some(path) => read_features(path)?.vertex_pairs(soup)?,
-        None => Vec::new(),
-    };
+fn options(args: &RemeshArgs, soup: &FaceSoup, features: Option<&FeatureFile>) -> Result<RemeshOptions, RemeshError> {
+    let features = features.map(|file| file.vertex_pairs(soup)).transpose()?.unwrap_or_default();
     let guides = match &args.guides {
         Some(path) => read_guides(path)?.into_iter().map(|g| g.points).collect(),
         None => Vec::new(),

@@ -126,6 +126,14 @@ pub fn read_quads(path: &Path) -> (Vec<[f64; 3]>, Vec<[usize; 4]>) {
     (points, quads)
 }
 
+/// Number of vertices of a generated shape.
+pub fn read_count(bench: &Bench, sample: &str) -> usize {
+    let name = format!("{sample}.off");
+    bench.line(&format!("convert sample:{sample} {name}")).succeeds();
+    let text = String::from_utf8(bench.read(&name)).expect("text");
+    text.split_whitespace().nth(1).and_then(|n| n.parse().ok()).expect("a count after the word OFF")
+}
+
 /// V - E + F, number of components and of boundary edges; panics where an edge has more than two faces or is
 /// passed twice in one direction.
 pub fn topology(points: usize, quads: &[[usize; 4]]) -> (i64, usize, usize) {
