@@ -45,6 +45,9 @@ const REFINED_REL: f64 = 0.5;
 /// Distance from a failed quad up to which the work mesh is made finer, relative to the quad's circumference.
 const REFINED_REACH_REL: f64 = 0.5;
 
+/// Share of failed quads up to which twice the effort is spent, as the next round is likely the last.
+const FEW_REL: f64 = 1e-3;
+
 /// Least scaled Jacobian of the quads of triangles that are taken over.
 const KEPT_JACOBIAN: f64 = 0.1;
 
@@ -75,18 +78,17 @@ pub fn split_surface(
     let (mut paired, edge, mut relative) = (fitted.solution, fitted.size, uniform);
     let most_effort = progress.spent() + Effort::OF_SPLITS.most(goal.quads as usize);
     for round in 0..=REFINEMENTS {
-        if round > 0 && progress.spent() > most_effort {
-            break;
-        }
         let quads = finished(&paired.split()?, &reference, progress)?;
         let verification = verify(&quads, &reference);
         if verification.passed() {
             return Ok(quads);
         }
-        if round < REFINEMENTS {
-            refine_around(&mut relative, edge, &quads, &verification, mesh);
-            paired = Paired::new(mesh, features, &relative, edge, progress)?;
+        let few = verification.failed().count() as f64 <= FEW_REL * quads.face_count() as f64;
+        if round == REFINEMENTS || progress.spent() > if few { 2 * most_effort } else { most_effort } {
+            break;
         }
+        refine_around(&mut relative, edge, &quads, &verification, mesh);
+        paired = Paired::new(mesh, features, &relative, edge, progress)?;
     }
     // 3. The input's own triangles, whatever their number.
     let quads = split_triangles(mesh).map_err(|e| no_result("split", e))?;
@@ -236,9 +238,8 @@ fn refine_around(
     verification: &Verification,
     mesh: &TriMesh,
 ) {
-    let failed = verification.inverted.iter().chain(&verification.against);
-    let outline = |&f: &FaceId| (quads.face_vertices(f).map(|v| quads.position(v)), true);
-    let outlines: Vec<([DVec3; 4], bool)> = failed.map(outline).collect();
+    let outline = |f: FaceId| (quads.face_vertices(f).map(|v| quads.position(v)), true);
+    let outlines: Vec<([DVec3; 4], bool)> = verification.failed().map(outline).collect();
     let index = PolylineIndex::new(&outlines);
     for v in mesh.vertices() {
         let Some(nearest) = index.query_any(mesh.position(v)) else { continue };

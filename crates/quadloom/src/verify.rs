@@ -32,6 +32,11 @@ impl Verification {
         self.expected.same_topology(&self.found) && self.inverted.is_empty() && self.against.is_empty()
     }
 
+    /// Quads that keep the others from passing; those with two faults come twice.
+    pub fn failed(&self) -> impl Iterator<Item = FaceId> + '_ {
+        self.inverted.iter().chain(&self.against).copied()
+    }
+
     /// What is wrong, in a sentence; empty if nothing is.
     pub fn complaint(&self) -> String {
         if !self.expected.same_topology(&self.found) {
