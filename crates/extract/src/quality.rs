@@ -190,6 +190,9 @@ pub struct Distances {
 /// Points sampled on either surface, about: enough for the second digit of the mean.
 const SURFACE_SAMPLES: usize = 50_000;
 
+/// The same for each quad at most: a surface of a thousand crumbs would else be sampled a thousand times over.
+const SAMPLES_PER_QUAD: usize = 100;
+
 /// Samples per edge of curves.
 const EDGE_SAMPLES: usize = 5;
 
@@ -197,11 +200,12 @@ impl Distances {
     /// Samples the distances.
     ///
     /// # Errors     never for a valid quad mesh: only where its split into triangles is not a mesh
-    /// # Cost       about 100,000 closest-point queries, in parallel
+    /// # Cost       a closest-point query per vertex, about 100,000 more at most, 200 for each quad of few; in parallel
     pub fn measure(quads: &QuadMesh, reference: &Reference) -> Result<Self, MeshError> {
         let unit = 100.0 / reference.mesh.diagonal().max(f64::MIN_POSITIVE);
         let ours = split_at_centres(quads)?;
         let our_tree = ClosestPoint::new(&ours);
+        let samples = SURFACE_SAMPLES.min(SAMPLES_PER_QUAD * quads.face_count());
         let feature = sharp_samples(reference);
         let our_edges: Vec<([DVec3; 2], bool)> =
             quads.edges().map(|e| (quads.ends(e).map(|v| quads.position(v)), false)).collect();
@@ -210,8 +214,12 @@ impl Distances {
             Deviation::of(&feature, unit, |p| index.query_any(p).map_or(f64::INFINITY, |c| c.distance))
         });
         Ok(Self {
-            to_reference: Deviation::of(&surface_samples(&ours), unit, |p| reference.closest.query(p).distance),
-            from_reference: Deviation::of(&surface_samples(reference.mesh), unit, |p| our_tree.query(p).distance),
+            to_reference: Deviation::of(&surface_samples(&ours, samples), unit, |p| {
+                reference.closest.query(p).distance
+            }),
+            from_reference: Deviation::of(&surface_samples(reference.mesh, samples), unit, |p| {
+                our_tree.query(p).distance
+            }),
             feature,
             boundary: boundary_deviation(quads, reference.mesh, unit),
         })
@@ -252,9 +260,9 @@ pub fn split_at_centres(quads: &QuadMesh) -> Result<TriMesh, MeshError> {
     TriMesh::new(positions, &faces)
 }
 
-/// Points spread by area over a mesh, at fixed places, and its vertices.
-fn surface_samples(mesh: &TriMesh) -> Vec<DVec3> {
-    let density = SURFACE_SAMPLES as f64 / mesh.area().max(f64::MIN_POSITIVE);
+/// About so many points spread by area over a mesh, at fixed places, and its vertices.
+fn surface_samples(mesh: &TriMesh, samples: usize) -> Vec<DVec3> {
+    let density = samples as f64 / mesh.area().max(f64::MIN_POSITIVE);
     let mut points = mesh.positions().values().to_vec();
     let (mut due, mut taken) = (0.0, 0usize);
     for f in mesh.faces() {
