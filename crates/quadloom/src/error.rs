@@ -207,6 +207,8 @@ pub enum WarningCode {
     FoldsSurvived,
     /// Some quads face against the input at their centre, though not all around it.
     FacingUnclear,
+    /// The quads are so large that they miss parts of the surface's shape.
+    DetailLost,
     /// A stage that was asked for does not exist for this input.
     Ignored,
 }
@@ -244,6 +246,7 @@ impl WarningCode {
             Self::SharpEdgesDropped
             | Self::FeatureLost
             | Self::FeaturesLeft
+            | Self::DetailLost
             | Self::DefaultCountMissed
             | Self::TopologyRepaired
             | Self::Ignored => 1,

@@ -6,9 +6,10 @@
 use crate::error::{RemeshError, Warning};
 use crate::features::{FeatureRequest, find_features};
 use crate::input::check_extent;
-use crate::remesh::{has_area, missing_edges_warning};
+use crate::remesh::has_area;
 use crate::singularities::{SingularityRequest, check_list, others_warning};
 use crate::stages::{Prescribed, WorkMesh, cross_field};
+use crate::warnings::missing_edges_warning;
 use quadloom_field::Transport;
 use quadloom_mesh::repair::{RepairError, RepairOptions, repair, split_components};
 use quadloom_mesh::{DVec3, FaceSoup, Progress, TriMesh, VertexId};

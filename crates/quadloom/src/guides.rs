@@ -4,9 +4,10 @@
 //! if their component joins them. Not: closeness beyond the resolution of the mesh.
 //! Source: shortest paths [Dijkstra1959] with edges weighted by their distance from the curve.
 
+use crate::error::{Warning, WarningCode};
 use quadloom_mesh::closest::closest_parameter;
 use quadloom_mesh::features::other_end;
-use quadloom_mesh::{DVec3, EdgeId, TriMesh, VertexId, VertexMap};
+use quadloom_mesh::{ClosestPoint, DVec3, EdgeId, TriMesh, VertexId, VertexMap};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -35,6 +36,53 @@ pub fn trace_guides(mesh: &TriMesh, guides: &[Vec<DVec3>]) -> Vec<EdgeId> {
 pub fn is_at_one_vertex(mesh: &TriMesh, guide: &[DVec3]) -> bool {
     let mut stops = guide.iter().map(|&p| nearest_vertex(mesh, p));
     stops.next().is_none_or(|first| stops.all(|stop| stop == first))
+}
+
+/// Distance of a drawn curve from the surface, relative to the surface's diagonal, from which it counts as far.
+///
+/// Curves drawn with few points leave a surface by a hundredth; those in other units or places are nowhere near.
+const FAR_GUIDE_REL: f64 = 0.05;
+
+/// Drawn curves that are somewhere else, each with its farthest point and that one's distance.
+pub(crate) fn far_guides(mesh: &TriMesh, guides: &[Vec<DVec3>]) -> Vec<(usize, (usize, f64))> {
+    if guides.is_empty() {
+        return Vec::new();
+    }
+    let tree = ClosestPoint::new(mesh);
+    let limit = FAR_GUIDE_REL * mesh.diagonal();
+    let farthest = |guide: &Vec<DVec3>| {
+        let distances = guide.iter().map(|&p| tree.query(p).distance).enumerate();
+        distances.fold((0, 0.0), |far: (usize, f64), near| if near.1 > far.1 { near } else { far })
+    };
+    let all = guides.iter().map(farthest).enumerate();
+    all.filter(|(_, (_, distance))| *distance > limit).collect()
+}
+
+/// A warning about drawn curves that are somewhere else; they are traced all the same, along what is nearest.
+pub(crate) fn far_guides_warning(mesh: &TriMesh, guides: usize, far: &[(usize, (usize, f64))]) -> Option<Warning> {
+    let &(curve, (point, distance)) = far.first()?;
+    let message = format!(
+        "{} of {guides} drawn curves (--guides) are far from the surface, and at best the edges nearest to them are \
+         followed (first: point {} of curve {} is {distance:.3e} away, the surface has a diagonal of {:.3e}); check \
+         their units and place",
+        far.len(),
+        point + 1,
+        curve + 1,
+        mesh.diagonal()
+    );
+    Some(Warning::new(WarningCode::GuideFar, message))
+}
+
+/// A warning about drawn curves without an edge along them.
+pub(crate) fn short_guides_warning(guides: usize, short: &[usize]) -> Option<Warning> {
+    let first = short.first()?;
+    let message = format!(
+        "{} of {guides} drawn curves (--guides) are shorter than the triangles under them, and nothing follows them (first: \
+         curve {}); draw longer ones, or refine the surface there",
+        short.len(),
+        first + 1
+    );
+    Some(Warning::new(WarningCode::FeatureMissed, message))
 }
 
 fn nearest_vertex(mesh: &TriMesh, p: DVec3) -> Option<VertexId> {

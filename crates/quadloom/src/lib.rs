@@ -34,6 +34,7 @@ mod pairing;
 pub mod part;
 pub mod remesh;
 pub mod report;
+mod requests;
 pub mod scene;
 pub mod singularities;
 pub mod sizes;
@@ -42,6 +43,7 @@ pub mod stages;
 pub mod ties;
 pub mod verify;
 pub mod view;
+mod warnings;
 
 pub use error::{FailureKind, RemeshError, Warning, WarningCode};
 pub use input::{Source, load};

@@ -17,7 +17,7 @@ use crate::stages::{
     relocated, with_room, work_edge_length, work_mesh, work_mesh_with_field,
 };
 use crate::ties::{TieReport, TieRequest, joined_ties, ties_on};
-use crate::verify::{lost_part, verify};
+use crate::verify::{Verification, lost_part, verify};
 use quadloom_extract::{Distances, Extraction, FinishError, FinishOptions, FinishReport, Finished, Reference, finish};
 use quadloom_field::{CrossField, Transport};
 use quadloom_mesh::{DVec3, FaceMap, FeatureGraph, Progress, QuadMesh, TriMesh};
@@ -62,6 +62,8 @@ pub struct Part {
     pub attempt: usize,
     /// Map solves, over all attempts.
     pub solves: usize,
+    /// What the quads were found to be; it passed.
+    pub verification: Verification,
     /// Distances to the surface, if they were asked for.
     pub distances: Option<Distances>,
     /// What should be known.
@@ -146,8 +148,8 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
         }),
         Fallback::Split => {
             let made = spare.unwrap_or_else(run.splitting(&found));
-            let (quads, distances) = run.split(made, &found, &failure)?;
-            Ok(run.part(quads, found, None, LADDER.len(), distances))
+            let (quads, checked) = run.split(made, &found, &failure)?;
+            Ok(run.part(quads, found, None, LADDER.len(), checked))
         }
     }
 }
@@ -157,11 +159,18 @@ pub fn remesh_part(request: &PartRequest, options: &RemeshOptions, progress: &Pr
 pub(crate) struct Passed {
     quads: QuadMesh,
     solution: Solution,
-    distances: Option<Distances>,
+    checked: Checked,
     features: Features,
     attempt: usize,
     /// What should be known if they are the result.
     warnings: Vec<Warning>,
+}
+
+/// What was found of quads that passed.
+#[derive(Debug)]
+struct Checked {
+    verification: Verification,
+    distances: Option<Distances>,
 }
 
 /// Warnings of an attempt that may be clear of them at other sizes, the worse one first.
@@ -250,7 +259,7 @@ impl<'a> Run<'a> {
             self.warn(WarningCode::Retried, format!("an attempt at another size was not used: {doubt}"));
         }
         self.warnings.extend(passed.warnings);
-        self.part(passed.quads, passed.features, Some(passed.solution), passed.attempt, passed.distances)
+        self.part(passed.quads, passed.features, Some(passed.solution), passed.attempt, passed.checked)
     }
 
     fn warn_of_dropped(&mut self, edges: usize) {
@@ -304,11 +313,11 @@ impl<'a> Run<'a> {
         let ties = joined_ties(&work, &extraction, self.request, &ties);
         let solution = Solution { work, field, energy, map, extraction, ties, relocation };
         self.check_for_lost_parts(&solution, &quads)?;
-        let (distances, unclear) = self.checked(&quads, &reference)?;
+        let (checked, unclear) = self.checked(&quads, &reference)?;
         let noise = self.smoothed.then(noise_warning);
         let warnings =
             [unclear, left_warning(&finished.report), fold_warning(&solution), noise].into_iter().flatten().collect();
-        Ok(Passed { quads, solution, distances, features: features.clone(), attempt: 0, warnings })
+        Ok(Passed { quads, solution, checked, features: features.clone(), attempt: 0, warnings })
     }
 
     /// The input's own triangles with the field that was given: only the count varies between attempts.
@@ -433,11 +442,7 @@ impl<'a> Run<'a> {
     }
 
     /// Distances of quads that pass verification, and a warning where the facing of some is unclear.
-    fn checked(
-        &mut self,
-        quads: &QuadMesh,
-        reference: &Reference,
-    ) -> Result<(Option<Distances>, Option<Warning>), RemeshError> {
+    fn checked(&mut self, quads: &QuadMesh, reference: &Reference) -> Result<(Checked, Option<Warning>), RemeshError> {
         self.progress.report("verify", 0.0);
         let verification = self.seconds.time("verify", || verify(quads, reference));
         if !verification.passed() {
@@ -450,7 +455,7 @@ impl<'a> Run<'a> {
         });
         let measure = || self.options.measure_distance.then(|| Distances::measure(quads, reference)).transpose();
         let distances = self.seconds.time("distances", measure).map_err(|e| no_result("report", e))?;
-        Ok((distances, unclear))
+        Ok((Checked { verification, distances }, unclear))
     }
 
     /// What makes quads of split triangles, and says how long it took; its effort is counted by itself.
@@ -470,7 +475,7 @@ impl<'a> Run<'a> {
         made: Split,
         features: &Features,
         failure: &RemeshError,
-    ) -> Result<(QuadMesh, Option<Distances>), RemeshError> {
+    ) -> Result<(QuadMesh, Checked), RemeshError> {
         let Self { request, .. } = *self;
         let because = |e: RemeshError| match e {
             RemeshError::NoResult { why, .. } => {
@@ -481,11 +486,11 @@ impl<'a> Run<'a> {
         self.seconds.add("split", made.seconds);
         let quads = made.quads.map_err(because)?;
         let reference = Reference::new(request.mesh, &features.graph);
-        let (distances, unclear) = self.checked(&quads, &reference).map_err(because)?;
+        let (checked, unclear) = self.checked(&quads, &reference).map_err(because)?;
         self.warnings.extend(unclear);
         let message = format!("no map without folds was found ({failure}); triangles were split into quads instead");
         self.warn(WarningCode::TrianglesSplit, message);
-        Ok((quads, distances))
+        Ok((quads, checked))
     }
 
     fn part(
@@ -494,11 +499,23 @@ impl<'a> Run<'a> {
         features: Features,
         solution: Option<Solution>,
         attempt: usize,
-        distances: Option<Distances>,
+        checked: Checked,
     ) -> Part {
         let Self { request, area, solves, warnings, seconds, .. } = self;
-        let diagonal = request.mesh.diagonal();
-        Part { quads, area, diagonal, features, solution, attempt, solves, distances, warnings, seconds }
+        let Checked { verification, distances } = checked;
+        Part {
+            quads,
+            area,
+            diagonal: request.mesh.diagonal(),
+            features,
+            solution,
+            attempt,
+            solves,
+            verification,
+            distances,
+            warnings,
+            seconds,
+        }
     }
 }
 

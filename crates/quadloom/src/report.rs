@@ -32,6 +32,8 @@ pub struct Report {
     pub input: SurfaceReport,
     /// Quads that face against the input; more than zero is never handed out.
     pub facing_against: usize,
+    /// Quads that may face against the input, see the warning of that name.
+    pub facing_unclear: usize,
     /// What repair changed, one line per kind of defect.
     pub repairs: Vec<String>,
     /// The result.
