@@ -17,6 +17,7 @@ mod smoothest;
 pub mod solve;
 mod system;
 pub mod transport;
+pub mod tubes;
 
 pub use constraints::{FieldConstraints, SoftDirection};
 pub use cross_field::{CrossField, FieldDefect};
@@ -26,3 +27,4 @@ pub use moves::FieldMoves;
 pub use sizing::{CurvatureSizing, SizeField, curl_potential, local_feature_size};
 pub use solve::{FieldOptions, FieldReport, FieldStart, solve_cross_field};
 pub use transport::Transport;
+pub use tubes::unspiralled;

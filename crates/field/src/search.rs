@@ -22,7 +22,7 @@ pub(crate) use prescriptions::index_groups;
 
 use crate::cross_field::CrossField;
 use crate::error::FieldError;
-use crate::loops::homology_loops;
+use crate::loops::{curve_loops, homology_loops};
 use crate::solve::FieldOptions;
 use crate::system::SmoothnessSystem;
 use crate::transport::Transport;
@@ -41,7 +41,7 @@ const SMALLEST_MOVING_TURN: f64 = 0.15 * PI / 4.0;
 /// Radians² by which the estimate of a pair's cost may be too large before the pair is overlooked.
 const ESTIMATE_MARGIN: f64 = 0.1;
 
-/// Radians² that a twist around a handle must gain at first order for its cost to be computed.
+/// Radians² that a twist around a handle or tube must gain at first order for its cost to be computed.
 const LEAST_TWIST: f64 = 1e-3;
 
 /// What a search did.
@@ -51,7 +51,7 @@ pub(crate) struct SearchCounts {
     pub moves: usize,
     /// Pairs of opposite sign that were joined along a path.
     pub cancelled_pairs: usize,
-    /// Quarter turns around handles.
+    /// Quarter turns around handles and tubes.
     pub twists: usize,
     /// Solves of the whole system.
     pub solves: usize,
@@ -162,6 +162,7 @@ impl<'a> Search<'a> {
     /// Moves and cancels until neither helps.
     pub fn run(&mut self, progress: &Progress) -> Result<(), FieldError> {
         let mut loops = homology_loops(self.mesh, self.length);
+        loops.extend(curve_loops(self.mesh, |f| !self.system.is_free(f)));
         loops.retain(|path| path.iter().all(|(e, _)| !self.kept[*e]));
         self.twist_loops(&loops, progress)?;
         // Each round ends with fewer pairs; the limit only guards against rounding errors.
@@ -519,7 +520,7 @@ impl Search<'_> {
     }
 }
 
-/// Twists around handles.
+/// Twists around handles and tubes.
 impl Search<'_> {
     /// Turns the field by a quarter more or less around loops that no singularity can cross, while the energy falls;
     /// whether it did. Indices do not change.

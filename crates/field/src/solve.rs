@@ -103,7 +103,7 @@ pub struct FieldReport {
     pub moves: usize,
     /// Pairs of singularities that were joined.
     pub cancelled_pairs: usize,
-    /// Quarter turns around handles.
+    /// Quarter turns around handles and tubes.
     pub twists: usize,
     /// Seconds for the start, and for the search.
     pub seconds: [f64; 2],

@@ -8,7 +8,7 @@
 
 use crate::charts::{Sector, sectors};
 use quadloom_field::{
-    CrossField, FieldConstraints, FieldError, FieldOptions, FieldReport, Transport, solve_cross_field,
+    CrossField, FieldConstraints, FieldError, FieldOptions, FieldReport, Transport, solve_cross_field, unspiralled,
 };
 use quadloom_mesh::{EdgeId, EdgeMap, FeatureGraph, HalfEdgeId, Progress, TriConnectivity, VertexId, VertexMap};
 use std::cmp::Reverse;
@@ -34,10 +34,10 @@ const LEAST_DEPTH: f64 = 0.5;
 /// Part of the way to the quarter's place within which nothing comes near.
 const KEPT_REL: f64 = 0.75;
 
-/// The smoothest cross field that leaves room for a quad between any two features that meet.
+/// The smoothest cross field that leaves room for a quad between any two features that meet, and around every tube.
 ///
 /// # Errors     those of the cross field
-/// # Cost       one solve, and one more per round in which a sector is collapsed
+/// # Cost       one solve, and one more per round in which a sector is collapsed, and for tubes that spiral
 /// # Guarantees none where a user's prescription stands against it, or where a sector is a single triangle
 pub fn solve_open_field(
     mesh: &TriConnectivity,
@@ -52,7 +52,13 @@ pub fn solve_open_field(
     let clear_of = mesh.vertices().filter(|&v| corners.on_feature[v]).collect();
     let options = FieldOptions { clear_of, ..options.clone() };
     let first = solve_cross_field(mesh, transport, length, constraints, &options, progress)?;
-    corners.opened(first, options, progress)
+    let (field, report) = corners.opened(first, options.clone(), progress)?;
+    let Some(jumps) = unspiralled(mesh, transport, features, &field) else { return Ok((field, report)) };
+    // A turn may cost less energy than none: no search any more.
+    let straight = FieldOptions { start_from: Some(jumps), local_search: false, ..options };
+    let (field, FieldReport { energy, .. }) =
+        solve_cross_field(mesh, transport, length, constraints, &straight, progress)?;
+    Ok((field, FieldReport { energy, ..report }))
 }
 
 /// What is asked of a field at the corners of features.

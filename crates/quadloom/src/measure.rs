@@ -16,10 +16,10 @@ pub fn surface_report<S: FaceShape>(mesh: &Mesh<S>) -> SurfaceReport {
 }
 
 /// Distances over all parts, percent of the whole's diagonal; means are weighted by area.
-pub fn distances(parts: &[Part], input: &TriMesh) -> Option<Distances> {
+pub fn distances(parts: &[Part], input: &TriMesh) -> Distances {
     let whole = input.diagonal();
     let measured: Vec<(Distances, f64, f64)> =
-        parts.iter().map(|p| Some((p.distances?, p.diagonal / whole, p.area / input.area()))).collect::<Option<_>>()?;
+        parts.iter().map(|p| (p.distances, p.diagonal / whole, p.area / input.area())).collect();
     let joined = |pick: &dyn Fn(&Distances) -> Option<Deviation>| {
         let mut total = 0.0;
         let mut all = Deviation::default();
@@ -32,12 +32,12 @@ pub fn distances(parts: &[Part], input: &TriMesh) -> Option<Distances> {
         }
         (total > 0.0).then(|| Deviation { mean: all.mean / total, max: all.max })
     };
-    Some(Distances {
-        to_reference: joined(&|d| Some(d.to_reference))?,
-        from_reference: joined(&|d| Some(d.from_reference))?,
+    Distances {
+        to_reference: joined(&|d| Some(d.to_reference)).unwrap_or_default(),
+        from_reference: joined(&|d| Some(d.from_reference)).unwrap_or_default(),
         feature: joined(&|d| d.feature),
         boundary: joined(&|d| d.boundary),
-    })
+    }
 }
 
 /// Feature curves over all parts.

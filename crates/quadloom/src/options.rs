@@ -111,8 +111,6 @@ pub struct RemeshOptions {
     pub method: Method,
     /// What is done where no valid map is found.
     pub fallback: Fallback,
-    /// Whether the report has distances to the input. Default false: sampling them takes some tenths of a second.
-    pub measure_distance: bool,
     /// Seed of everything that samples. Default 0. The result depends on it and on nothing random.
     pub seed: u64,
 }
@@ -138,7 +136,6 @@ impl Default for RemeshOptions {
             guides: Vec::new(),
             method: Method::Greedy,
             fallback: Fallback::Split,
-            measure_distance: false,
             seed: 0,
         }
     }

@@ -64,8 +64,8 @@ pub struct Part {
     pub solves: usize,
     /// What the quads were found to be; it passed.
     pub verification: Verification,
-    /// Distances to the surface, if they were asked for.
-    pub distances: Option<Distances>,
+    /// Distances to the surface, percent of `diagonal`.
+    pub distances: Distances,
     /// What should be known.
     pub warnings: Vec<Warning>,
     /// Time per stage.
@@ -170,7 +170,7 @@ pub(crate) struct Passed {
 #[derive(Debug)]
 struct Checked {
     verification: Verification,
-    distances: Option<Distances>,
+    distances: Distances,
 }
 
 /// Warnings of an attempt that may be clear of them at other sizes, the worse one first.
@@ -453,7 +453,7 @@ impl<'a> Run<'a> {
             let message = format!("{count} quads may face against the input (first: {first}): their centres do");
             Warning::new(WarningCode::FacingUnclear, message)
         });
-        let measure = || self.options.measure_distance.then(|| Distances::measure(quads, reference)).transpose();
+        let measure = || Distances::measure(quads, reference);
         let distances = self.seconds.time("distances", measure).map_err(|e| no_result("report", e))?;
         Ok((Checked { verification, distances }, unclear))
     }

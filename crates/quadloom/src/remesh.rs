@@ -145,7 +145,7 @@ fn remesh_repaired(
     let ties = tie_reports(&requests, &parts);
     warnings.extend(tie_warnings(&ties));
     let distance = distances(&parts, mesh);
-    warnings.extend(distance.and_then(|d| detail_warning(&d, &quads, mesh.diagonal())));
+    warnings.extend(detail_warning(&distance, &quads, mesh.diagonal()));
     let (quality, irregular) =
         seconds.time("report", || (QuadQuality::of(&quads).summary(), IrregularVertices::of(&quads)));
     let quads_of = |list: fn(&Verification) -> &[FaceId]| parts.iter().map(|p| list(&p.verification).len()).sum();

@@ -56,8 +56,8 @@ pub struct Report {
     pub relocation: Option<RelocationReport>,
     /// Shapes of the quads.
     pub quality: QualitySummary,
-    /// Distances between result and input, percent of the input's diagonal; `None` if they were not asked for.
-    pub distance: Option<Distances>,
+    /// Distances between result and input, percent of the input's diagonal.
+    pub distance: Distances,
     /// How each component was made.
     pub components: Vec<ComponentReport>,
     /// Wall-clock seconds of the run, reading and writing files not included.

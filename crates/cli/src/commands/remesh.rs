@@ -113,7 +113,6 @@ fn options(args: &RemeshArgs, soup: &FaceSoup, features: Option<&FeatureFile>) -
             FallbackArg::Split => Fallback::Split,
             FallbackArg::Off => Fallback::Off,
         },
-        measure_distance: args.report.is_some() || args.view.is_some(),
         seed: args.run.seed,
     })
 }
