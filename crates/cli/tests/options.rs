@@ -392,6 +392,11 @@ fn curves_that_are_elsewhere_and_edges_that_are_not_there_are_told() {
     bench.line(&format!("{line} both.json")).fails_by_missing(&["1 of 2 drawn curves", "of curve 2 is"]);
     bench.write("dot.json", "[[[1.4,0,0],[1.4,0.0001,0]]]");
     bench.line(&format!("{line} dot.json")).fails_by_missing(&["1 of 1 drawn curves", "shorter than the triangles"]);
+    // Along a face of two triangles there is only its diagonal.
+    bench.write("coarse.obj", BOX_OF_TWELVE);
+    bench.write("across.json", "[[[0.1,0.3,1],[0.9,0.6,1]]]");
+    let coarse = bench.line("remesh coarse.obj -o out.obj --quads 500 --guides across.json");
+    coarse.fails_by_missing(&["1 of 1 drawn curves", "not followed closely", "refine the surface"]);
     bench.write("none.json", "[]");
     bench.line("remesh sample:torus -o out.obj --guides none.json").fails_with(3, &["none.json", "no curve"]);
     bench.write("pairs.txt", "# edges\n7 300\n");
@@ -482,3 +487,7 @@ fn warnings_of_attempts_that_were_not_used_say_so() {
     }
     assert_eq!(report["map"]["flips"], 0);
 }
+
+/// A unit cube of twelve triangles.
+const BOX_OF_TWELVE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
+f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";

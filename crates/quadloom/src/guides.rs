@@ -44,14 +44,10 @@ pub fn is_at_one_vertex(mesh: &TriMesh, guide: &[DVec3]) -> bool {
 const FAR_GUIDE_REL: f64 = 0.05;
 
 /// Drawn curves that are somewhere else, each with its farthest point and that one's distance.
-pub(crate) fn far_guides(mesh: &TriMesh, guides: &[Vec<DVec3>]) -> Vec<(usize, (usize, f64))> {
-    if guides.is_empty() {
-        return Vec::new();
-    }
-    let tree = ClosestPoint::new(mesh);
+pub(crate) fn far_guides(mesh: &TriMesh, surface: &ClosestPoint, guides: &[Vec<DVec3>]) -> Vec<(usize, (usize, f64))> {
     let limit = FAR_GUIDE_REL * mesh.diagonal();
     let farthest = |guide: &Vec<DVec3>| {
-        let distances = guide.iter().map(|&p| tree.query(p).distance).enumerate();
+        let distances = guide.iter().map(|&p| surface.query(p).distance).enumerate();
         distances.fold((0, 0.0), |far: (usize, f64), near| if near.1 > far.1 { near } else { far })
     };
     let all = guides.iter().map(farthest).enumerate();
@@ -71,6 +67,47 @@ pub(crate) fn far_guides_warning(mesh: &TriMesh, guides: usize, far: &[(usize, (
         mesh.diagonal()
     );
     Some(Warning::new(WarningCode::GuideFar, message))
+}
+
+/// Distance from a drawn curve, relative to the quads' edges, from which edges along it do not follow it.
+const ASTRAY_REL: f64 = 1.0;
+
+/// Samples of a drawn curve at most.
+const MOST_SAMPLES: f64 = 2000.0;
+
+/// How far the edges along a drawn curve lead away from it, if that is farther than a quad's edge, file units.
+///
+/// Curves are taken to the surface first: those drawn with few points cut through it.
+///
+/// # Input      surface: with the mesh among its components; quad_edge: file units
+pub(crate) fn astray(mesh: &TriMesh, surface: &ClosestPoint, guide: &[DVec3], quad_edge: f64) -> Option<f64> {
+    let edges = trace_guides(mesh, std::slice::from_ref(&guide.to_vec()));
+    let edges: Vec<[DVec3; 2]> = edges.into_iter().map(|e| mesh.ends(e).map(|v| mesh.position(v))).collect();
+    let length: f64 = guide.windows(2).map(|w| w[0].distance(w[1])).sum();
+    let spacing = (0.5 * quad_edge).max(length / MOST_SAMPLES);
+    let samples = guide.windows(2).flat_map(|w| {
+        let pieces = (w[0].distance(w[1]) / spacing).ceil().max(1.0) as u32;
+        (0..=pieces).map(move |k| w[0].lerp(w[1], f64::from(k) / f64::from(pieces)))
+    });
+    let off = samples.map(|p| {
+        let p = surface.query(p).position;
+        let from = |&[a, b]: &[DVec3; 2]| p.distance(a.lerp(b, closest_parameter(a, b, p)));
+        edges.iter().map(from).fold(f64::INFINITY, f64::min)
+    });
+    let farthest = off.fold(0.0, f64::max);
+    (farthest > ASTRAY_REL * quad_edge).then_some(farthest)
+}
+
+/// A warning about drawn curves that the surface's edges cannot follow, each with its number and how far they stray.
+pub(crate) fn astray_guides_warning(guides: usize, astray: &[(usize, f64)]) -> Option<Warning> {
+    let &(curve, distance) = astray.first()?;
+    let message = format!(
+        "{} of {guides} drawn curves (--guides) are not followed closely: the surface's edges along them lead away, by more \
+         than a quad's edge (first: curve {}, {distance:.3e} away); refine the surface there",
+        astray.len(),
+        curve + 1
+    );
+    Some(Warning::new(WarningCode::FeatureMissed, message))
 }
 
 /// A warning about drawn curves without an edge along them.

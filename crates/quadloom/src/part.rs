@@ -216,6 +216,15 @@ struct Run<'a> {
 /// ends in folds.
 const MOST_SINGULAR_REL: f64 = 0.25;
 
+/// Corners of features per quad beyond which no map is looked for, unless they are few.
+///
+/// Surfaces sampled so coarsely that every edge is sharp have one or two; work meshes grow to a hundred triangles a quad
+/// between them, and the map folds. Machined parts have up to a fifth.
+const MOST_CORNERS_REL: f64 = 0.25;
+
+/// Corners that are worth an attempt for any number of quads: it takes a second or two.
+const FEW_CORNERS: usize = 1000;
+
 impl<'a> Run<'a> {
     fn new(request: &'a PartRequest<'a>, options: &'a RemeshOptions, progress: &'a Progress) -> Self {
         let area = request.mesh.area();
@@ -280,6 +289,7 @@ impl<'a> Run<'a> {
         let quads = rung.quads * self.request.quads as f64;
         let edge = (self.area / quads).sqrt();
         self.smoothed = false;
+        self.check_corners(rung, features, quads)?;
         let (work, field, energy) = match &self.request.field {
             Some(direction) => self.given_field(&features.graph, direction)?,
             None => self.own_field(&features.graph, edge, rung.work_edge)?,
@@ -376,6 +386,20 @@ impl<'a> Run<'a> {
         };
         let (field, report) = self.seconds.time("relocation", relocate)?;
         Ok((field, Some(report)))
+    }
+
+    /// Whether features leave room between their corners.
+    fn check_corners(&mut self, rung: &Rung, features: &Features, quads: f64) -> Result<(), RemeshError> {
+        let corners = features.graph.is_corner.values().iter().filter(|&&is_corner| is_corner).count();
+        if corners as f64 <= MOST_CORNERS_REL * quads || corners <= FEW_CORNERS {
+            return Ok(());
+        }
+        self.climb.has_no_room(rung);
+        let why = format!(
+            "{corners} corners of features leave no room in {quads:.0} quads; ask for more quads, or keep fewer edges \
+             (--sharp-angle)"
+        );
+        Err(no_result("features", why))
     }
 
     /// Whether there are quads enough for the singular vertices, and any that have just those.

@@ -5,7 +5,9 @@
 
 use crate::error::{RemeshError, Warning};
 use crate::features::FeatureRequest;
-use crate::guides::{far_guides, far_guides_warning, is_at_one_vertex, short_guides_warning};
+use crate::guides::{
+    astray, astray_guides_warning, far_guides, far_guides_warning, is_at_one_vertex, short_guides_warning,
+};
 use crate::ladder::attempts_of_piece;
 use crate::options::{Fallback, GivenField, RemeshOptions};
 use crate::part::PartRequest;
@@ -14,7 +16,7 @@ use crate::sizes::SizeRequest;
 use crate::ties::TieRequest;
 use crate::warnings::missing_edges_warning;
 use quadloom_mesh::repair::{Component, Repaired};
-use quadloom_mesh::{DVec3, FaceMap, FaceSoup, TriMesh, VertexId, VertexMap};
+use quadloom_mesh::{ClosestPoint, DVec3, FaceMap, FaceSoup, TriMesh, VertexId, VertexMap};
 
 /// What is asked of each component; what fits no component is an error or a warning.
 ///
@@ -132,7 +134,16 @@ impl Input<'_> {
                 request.singularities.extend(SingularityRequest::of_no_vertex(&component.mesh));
             }
         }
-        requests.iter().try_for_each(|r| check_list(r.mesh, &r.singularities, options.other_singularities))
+        let several = requests.len() > 1;
+        requests.iter().enumerate().try_for_each(|(i, request)| {
+            let checked = check_list(request.mesh, &request.singularities, options.other_singularities);
+            checked.map_err(|e| match e {
+                RemeshError::Mismatch { what, why } if several => {
+                    RemeshError::Mismatch { what, why: format!("component {}: {why}", i + 1) }
+                }
+                other => other,
+            })
+        })
     }
 
     /// The component of a tie, and the tie there.
@@ -159,18 +170,30 @@ impl Input<'_> {
     ///
     /// # Output     warnings about those that cannot be followed as they are drawn
     fn hand_out_guides(&self, guides: &[Vec<DVec3>], requests: &mut [PartRequest]) -> Vec<Warning> {
+        if guides.is_empty() {
+            return Vec::new();
+        }
         let mesh = &self.repaired.mesh;
-        let mut short = Vec::new();
+        let surface = ClosestPoint::new(mesh);
+        let far = far_guides(mesh, &surface, guides);
+        let (mut short, mut strayed) = (Vec::new(), Vec::new());
         for (k, guide) in guides.iter().enumerate() {
-            if let Some(i) = self.nearest_component(guide) {
-                requests[i].features.guides.push(guide.clone());
-                short.extend(is_at_one_vertex(&self.components[i].mesh, guide).then_some(k));
+            let Some(i) = self.nearest_component(guide) else { continue };
+            let request = &mut requests[i];
+            request.features.guides.push(guide.clone());
+            let quad_edge = (request.mesh.area() / request.quads as f64).sqrt();
+            if far.iter().any(|f| f.0 == k) {
+                continue;
+            }
+            if is_at_one_vertex(request.mesh, guide) {
+                short.push(k);
+            } else if let Some(distance) = astray(request.mesh, &surface, guide, quad_edge) {
+                strayed.push((k, distance));
             }
         }
-        let far = far_guides(mesh, guides);
-        short.retain(|k| far.iter().all(|f| f.0 != *k));
         let of_far = far_guides_warning(mesh, guides.len(), &far);
-        of_far.into_iter().chain(short_guides_warning(guides.len(), &short)).collect()
+        let of_short = short_guides_warning(guides.len(), &short);
+        [of_far, of_short, astray_guides_warning(guides.len(), &strayed)].into_iter().flatten().collect()
     }
 
     fn nearest_component(&self, guide: &[DVec3]) -> Option<usize> {

@@ -1,6 +1,6 @@
 //! The pipeline on generated shapes: topology, count, determinism, given fields, refusals.
 
-use quadloom::mesh::{DVec3, Summary};
+use quadloom::mesh::{DVec3, Summary, shapes};
 use quadloom::verify::verify_against;
 use quadloom::{
     FailureKind, Fallback, GivenField, Progress, RemeshError, RemeshOptions, RemeshResult, Target, TriMesh,
@@ -33,6 +33,23 @@ fn shapes_of_any_topology_become_valid_quads_of_the_count_asked_for() {
         assert_eq!(result.report.components[0].made_by, "integer-grid map", "{name}: {:?}", result.report.warnings);
         let error = result.report.count.error_percent;
         assert!(error.abs() <= 10.0 || result.report.warnings.iter().any(|w| w.misses_request()), "{name}: {error} %");
+    }
+}
+
+#[test]
+fn springs_have_no_irregular_vertex() {
+    // Long tubes: the smoothest field spirals along them, and then there is no map at all.
+    let pipe = shapes::cylinder(0.12, 36.0, 16, 400);
+    let wound = |v| {
+        let p: DVec3 = pipe.position(v);
+        let out = 1.0 + p.x;
+        DVec3::new(out * p.z.cos(), out * p.z.sin(), p.y + 0.08 * p.z)
+    };
+    let spring = TriMesh::new(pipe.vertices().map(wound).collect(), &pipe.to_faces()).expect("a spring");
+    for n in [700, 1500, 3000] {
+        let report = made(&spring, &quads(n)).report;
+        assert_eq!(report.irregular.interior, 0, "{n}: {:?}", report.warnings);
+        assert_eq!(report.components[0].attempt, 0, "{n}: {:?}", report.warnings);
     }
 }
 
