@@ -117,6 +117,17 @@ fn sizes_follow_a_vertex_attribute() {
     let right = quads.iter().filter(|q| measure(&points, q).0[0] > 0.0).count();
     assert!(right as f64 > 1.6 * (quads.len() - right) as f64, "{right} of {}", quads.len());
     bench.line("remesh torus.ply -o out.obj --density height").fails_with(4, &["height", "wanted"]);
+    for bad in ["-1", "nan"] {
+        let text = std::fs::read_to_string(bench.path("torus.ply")).expect("the file").replacen(
+            " 4\n",
+            &format!(" {bad}\n"),
+            1,
+        );
+        bench.write("bad.ply", text);
+        bench
+            .line("remesh bad.ply -o out.obj --density wanted")
+            .fails_with(4, &["`wanted`", "at vertex 0", "zero and more"]);
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@
 use crate::guides::trace_guides;
 use quadloom_mesh::features::FeatureOptions;
 use quadloom_mesh::metric::dihedral_angle;
-use quadloom_mesh::{DVec3, EdgeMap, FeatureGraph, FeatureKind, TriMesh, VertexId};
+use quadloom_mesh::{DVec3, EdgeId, EdgeMap, FeatureGraph, FeatureKind, TriMesh, VertexId};
 
 /// Pieces of sharp edges with an open end that are shorter, in total, than this many target edges are dropped.
 ///
@@ -91,11 +91,8 @@ pub fn find_features(mesh: &TriMesh, request: &FeatureRequest, size: f64) -> Fea
     if request.edges.is_empty() && request.guides.is_empty() {
         return Features { graph, dropped_edges };
     }
-    for (e, chain) in graph.chain_of.iter() {
-        if chain.is_none() {
-            kind[e] = None;
-        }
-    }
+    let dropped: Vec<EdgeId> = mesh.edges().filter(|&e| kind[e].is_some() && !graph.is_feature(e)).collect();
+    dropped.iter().for_each(|&e| kind[e] = None);
     // 3. Named edges and drawn curves.
     for e in request.edges.iter().filter_map(|&[a, b]| mesh.find_edge(a, b)) {
         kind[e] = kind[e].or(Some(FeatureKind::Sharp));
@@ -105,6 +102,8 @@ pub fn find_features(mesh: &TriMesh, request: &FeatureRequest, size: f64) -> Fea
     }
     let options = FeatureOptions { boundary_reach: BOUNDARY_REACH_REL * size, ..FeatureOptions::default() };
     graph = FeatureGraph::from_kinds(mesh, kind, &options).0;
+    // Those that came back by their names were not dropped.
+    let dropped_edges = dropped.iter().filter(|&&e| !graph.is_feature(e)).count();
     Features { graph, dropped_edges }
 }
 
@@ -119,4 +118,31 @@ pub fn without_boundary(mesh: &TriMesh, features: &FeatureGraph) -> FeatureGraph
         free.is_corner[v] &= on[v];
     }
     free
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use quadloom_mesh::shapes;
+
+    #[test]
+    fn edges_that_are_named_are_not_counted_as_dropped() {
+        let bracket = shapes::bracket(0.1);
+        let size = 0.5 * bracket.diagonal();
+        let found = FeatureRequest { sharp_angle: Some(35.0), ..FeatureRequest::default() };
+        let dropped = find_features(&bracket, &found, size).dropped_edges;
+        assert!(dropped > 0);
+        let sharp: Vec<[VertexId; 2]> = bracket
+            .edges()
+            .filter(|&e| dihedral_angle(&bracket, bracket.half_edge(e)) > 35f64.to_radians())
+            .map(|e| bracket.ends(e))
+            .collect();
+        let all = FeatureRequest { edges: sharp.clone(), ..found.clone() };
+        assert_eq!(find_features(&bracket, &all, size).dropped_edges, 0);
+        // An edge that is kept anyway, and all that are dropped stay dropped.
+        let kept = find_features(&bracket, &found, size).graph;
+        let one = sharp.into_iter().find(|&[a, b]| bracket.find_edge(a, b).is_some_and(|e| kept.is_feature(e)));
+        let one = FeatureRequest { edges: one.into_iter().collect(), ..found };
+        assert_eq!(find_features(&bracket, &one, size).dropped_edges, dropped);
+    }
 }

@@ -229,10 +229,10 @@ impl Input<'_> {
     }
 }
 
-/// The values of a vertex attribute of the file.
+/// The values of a vertex attribute of the file, none of them negative.
 fn density<'a>(soup: &'a FaceSoup, name: &str) -> Result<&'a [f64], RemeshError> {
     let found = soup.vertex_attributes.iter().find(|(n, _)| n == name);
-    found.map(|(_, values)| values.as_slice()).ok_or_else(|| {
+    let values = found.map(|(_, values)| values.as_slice()).ok_or_else(|| {
         let names: Vec<String> = soup.vertex_attributes.iter().map(|(n, _)| format!("`{n}`")).collect();
         let there = match &names[..] {
             [] => "it has no attributes at all (OBJ and STL cannot have any)".into(),
@@ -240,7 +240,14 @@ fn density<'a>(soup: &'a FaceSoup, name: &str) -> Result<&'a [f64], RemeshError>
         };
         let why = format!("there is no vertex attribute `{name}` (colours are none); {there}");
         RemeshError::Mismatch { what: "--density", why }
-    })
+    })?;
+    match values.iter().position(|&value| !(value.is_finite() && value >= 0.0)) {
+        None => Ok(values),
+        Some(v) => {
+            let why = format!("`{name}` is {} at vertex {v}; numbers of zero and more are needed", values[v]);
+            Err(RemeshError::Mismatch { what: "--density", why })
+        }
+    }
 }
 
 /// Says that a vertex is not there, and what is.

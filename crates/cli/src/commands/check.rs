@@ -27,7 +27,8 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, RemeshError> {
         match as_quads(&soup) {
             Some(Ok(quads)) => {
                 let verification = verify_against(&quads, &surface, args.sharp_angle.0);
-                complaints.extend(Some(verification.complaint()).filter(|c| !c.is_empty()));
+                let complaint = Some(verification.complaint()).filter(|c| !c.is_empty());
+                complaints.extend(complaint.map(|c| format!("{} is no result for {reference}: {c}", args.input)));
             }
             // The defects are listed already.
             Some(Err(_)) => {}
@@ -68,6 +69,8 @@ fn print(args: &CheckArgs, inspection: &Inspection, complaints: &[String], notes
         println!("{complaint}");
     }
     if complaints.is_empty() {
-        println!("{}: an oriented manifold{}", args.input, if inspection.quality.is_some() { " of quads" } else { "" });
+        let of_quads = if inspection.quality.is_some() { " of quads" } else { "" };
+        let result_for = args.reference.as_ref().map(|r| format!(", a valid result for {r}")).unwrap_or_default();
+        println!("{}: an oriented manifold{of_quads}{result_for}", args.input);
     }
 }
