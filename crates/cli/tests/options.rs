@@ -448,9 +448,10 @@ fn seconds_are_those_of_the_clock() {
     let most = begin.elapsed().as_secs_f64();
     let report = report(&bench, "r.json");
     let total = report["total_seconds"].as_f64().expect("seconds");
-    assert!(total > 0.0 && total <= most, "{total} of {most}");
+    // Milliseconds in the report, hundredths on the screen, both rounded.
+    assert!(total > 0.0 && total <= most + 5e-4, "{total} of {most}");
     let said = ran.stderr.lines().last().and_then(|l| l.rsplit(", ").next()?.strip_suffix(" s")?.parse::<f64>().ok());
-    assert!(said.is_some_and(|s| s + 0.01 >= total && s <= most), "{} of {most}", ran.stderr);
+    assert!(said.is_some_and(|s| s + 0.01 >= total && s <= most + 5e-3), "{} of {most}", ran.stderr);
     assert!(report["units"]["seconds"].as_str().is_some_and(|u| u.contains("summed over components")));
 }
 
