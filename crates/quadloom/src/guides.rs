@@ -1,7 +1,8 @@
 //! Drawn curves become runs of mesh edges.
 //!
-//! In: a mesh and polylines near it. Out: edges. Holds: consecutive points of a curve are joined by a path of edges
-//! if their component joins them. Not: closeness beyond the resolution of the mesh.
+//! In: a mesh and polylines near it. Out: edges, and warnings about curves that they cannot follow. Holds: consecutive
+//! points of a curve are joined by a path of edges if their component joins them. Not: closeness beyond the resolution
+//! of the mesh.
 //! Source: shortest paths [Dijkstra1959] with edges weighted by their distance from the curve.
 
 use crate::error::{Warning, WarningCode};
