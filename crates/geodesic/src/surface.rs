@@ -1,0 +1,168 @@
+//! The intrinsic surface on which distances are measured: connectivity and edge lengths.
+//!
+//! In: connectivity and a length per edge, file units. Out: [`IntrinsicSurface`], or the edge or face that is wrong.
+//! Holds: lengths are finite, not negative, and obey the triangle inequality up to rounding; inside they are scaled by
+//! a power of two so that the longest is in 1/2..1, which changes no digit and keeps squares in range.
+//! No position is read. Source: [Bommes2012] §9, "only the mesh topology and scalar edge lengths are required".
+
+use crate::error::GeodesicError;
+use quadloom_mesh::{EdgeId, EdgeMap, FaceId, HalfEdgeId, TriConnectivity, VertexId, VertexMap};
+use std::f64::consts::{PI, TAU};
+
+/// By how much a side may exceed the sum of the others, relative to itself. Lengths rounded to seven digits stay below.
+const TRIANGLE_REL: f64 = 1e-6;
+/// Largest difference from a full turn (radians) of a vertex at which rays that part there still meet behind it,
+/// because windows overlap by [`crate::window::OVERLAP_REL`], which is larger.
+const FLAT: f64 = 1e-12;
+
+/// What a shortest path can do at a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Turn {
+    /// Paths end here: less than a full turn, or less than half a turn on the boundary.
+    Convex,
+    /// Paths pass straight: a full turn up to rounding. Nothing starts here.
+    Flat,
+    /// Paths bend around it: it is a pseudo-source once it is reached.
+    Saddle,
+}
+
+/// Connectivity and scaled edge lengths, checked.
+#[derive(Clone, Debug)]
+pub struct IntrinsicSurface<'a> {
+    mesh: &'a TriConnectivity,
+    /// Lengths times `scale`.
+    length: EdgeMap<f64>,
+    scale: f64,
+    turn: VertexMap<Turn>,
+}
+
+/// Where the apex of a face lies over one of its sides: origin at the side's origin, x along it, y into the face.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Apex {
+    /// Length of the side.
+    pub base: f64,
+    /// Length of the next side, from the side's target to the apex.
+    pub right: f64,
+    /// Length of the previous side, from the apex to the side's origin.
+    pub left: f64,
+    pub x: f64,
+    pub y: f64,
+}
+
+impl<'a> IntrinsicSurface<'a> {
+    /// Checks connectivity and edge lengths.
+    ///
+    /// # Input      one length per edge, file units; zero is allowed
+    /// # Errors     the first length that is not finite or is negative; the first face whose side is longer than the
+    /// other two together, beyond what rounding to seven digits leaves
+    /// # Cost       linear
+    pub fn new(mesh: &'a TriConnectivity, length: &EdgeMap<f64>) -> Result<Self, GeodesicError> {
+        if length.len() != mesh.edge_count() {
+            return Err(GeodesicError::LengthCount { found: length.len(), edges: mesh.edge_count() });
+        }
+        if let Some((edge, &length)) = length.iter().find(|(_, l)| !l.is_finite() || **l < 0.0) {
+            return Err(GeodesicError::Length { edge, length });
+        }
+        let longest = length.values().iter().copied().fold(0.0, f64::max);
+        let scale = if longest > 0.0 { power_of_two_below(1.0 / longest) } else { 1.0 };
+        let length = length.map(|l| l * scale);
+        for face in mesh.faces() {
+            let [a, b, c] = mesh.face_half_edges(face).map(|h| length[mesh.edge(h)]);
+            let most = a.max(b).max(c);
+            if 2.0 * most > (a + b + c) + TRIANGLE_REL * most {
+                return Err(GeodesicError::TriangleInequality { face, lengths: [a, b, c].map(|l| l / scale) });
+            }
+        }
+        let turn = VertexMap::from_fn(mesh.vertex_count(), |v| turn_of(mesh, &length, v));
+        Ok(Self { mesh, length, scale, turn })
+    }
+
+    /// The connectivity.
+    pub fn connectivity(&self) -> &'a TriConnectivity {
+        self.mesh
+    }
+
+    /// Length of an edge, file units.
+    pub fn edge_length(&self, e: EdgeId) -> f64 {
+        self.length[e] / self.scale
+    }
+
+    /// By what lengths in file units are multiplied inside: a power of two.
+    pub(crate) fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    pub(crate) fn length(&self, e: EdgeId) -> f64 {
+        self.length[e]
+    }
+
+    pub(crate) fn turn(&self, v: VertexId) -> Turn {
+        self.turn[v]
+    }
+
+    /// The face of a half-edge laid out over it.
+    #[inline]
+    pub(crate) fn apex(&self, h: HalfEdgeId) -> Apex {
+        let mesh = self.mesh;
+        let [base, right, left] = [h, mesh.next(h), mesh.prev(h)].map(|g| self.length[mesh.edge(g)]);
+        apex(base, right, left)
+    }
+
+    /// The corners of a face: corner 0 at the origin, corner 1 on the x axis, corner 2 above it; scaled.
+    pub(crate) fn layout(&self, face: FaceId) -> [[f64; 2]; 3] {
+        let apex = self.apex(self.mesh.first_half_edge(face));
+        [[0.0, 0.0], [apex.base, 0.0], [apex.x, apex.y]]
+    }
+
+    /// Interior angle at the origin of a half-edge in its face, radians, and a bound on its rounding error.
+    pub(crate) fn corner_angle(&self, h: HalfEdgeId) -> (f64, f64) {
+        corner_angle(self.mesh, &self.length, h)
+    }
+}
+
+/// The largest power of two that is not above `x`.
+fn power_of_two_below(x: f64) -> f64 {
+    // The exponent alone; subnormal numbers have none and are far below any length of use.
+    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000).max(f64::MIN_POSITIVE)
+}
+
+/// The apex of a triangle over its base, by differences of lengths that lose no digits.
+pub(crate) fn apex(base: f64, right: f64, left: f64) -> Apex {
+    if base <= 0.0 {
+        return Apex { base: 0.0, right, left, x: 0.0, y: left };
+    }
+    let x = 0.5 * (base + (left - right) * (left + right) / base);
+    // Twice the area by Heron's formula, with differences first, over the base.
+    let s = (base + right + left) * (right + left - base) * (base + (left - right)) * (base - (left - right));
+    let y = 0.5 * s.max(0.0).sqrt() / base;
+    Apex { base, right, left, x, y }
+}
+
+/// Interior angle at the origin of `h` in its face and a bound on its rounding error, radians.
+fn corner_angle(mesh: &TriConnectivity, length: &EdgeMap<f64>, h: HalfEdgeId) -> (f64, f64) {
+    let [base, right, left] = [h, mesh.next(h), mesh.prev(h)].map(|g| length[mesh.edge(g)]);
+    let apex = apex(base, right, left);
+    let twice_area = apex.base * apex.y;
+    let squares = base * base + right * right + left * left;
+    (apex.y.atan2(apex.x), 4.0 * f64::EPSILON * squares / twice_area)
+}
+
+/// Whether shortest paths bend at a vertex. In doubt they do: a pseudo-source too many costs time and is never wrong.
+fn turn_of(mesh: &TriConnectivity, length: &EdgeMap<f64>, v: VertexId) -> Turn {
+    let (mut total, mut doubt) = (0.0, 0.0);
+    for h in mesh.outgoing(v) {
+        let (angle, error) = corner_angle(mesh, length, h);
+        total += angle;
+        doubt += error;
+    }
+    let excess = total - if mesh.is_boundary_vertex(v) { PI } else { TAU };
+    // An area of zero makes the doubt infinite or NaN.
+    if !(doubt < FLAT) {
+        return if excess < -doubt { Turn::Convex } else { Turn::Saddle };
+    }
+    match excess {
+        x if x > FLAT => Turn::Saddle,
+        x if x < -FLAT => Turn::Convex,
+        _ => Turn::Flat,
+    }
+}
