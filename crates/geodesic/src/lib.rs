@@ -1,9 +1,12 @@
 //! Exact geodesic distance from points and polygonal curves.
 #![allow(missing_docs)]
 mod crossing;
+mod curves;
+mod cut_locus;
 mod error;
 mod field;
 mod insert;
+mod isolines;
 mod lists;
 mod merge;
 mod path;
@@ -12,8 +15,11 @@ mod surface;
 mod trim;
 mod wavefront;
 mod window;
+pub use curves::{CurveTracer, boundary_sources, edge_sources};
+pub use cut_locus::{CutLocus, CutPoint};
 pub use error::GeodesicError;
 pub use field::{EdgeWindow, Field, Nearest, vertex_distances};
+pub use isolines::{Isoline, isolines, spaced};
 pub use path::GeodesicPath;
 pub use sources::{Source, SourceShape};
 pub use surface::IntrinsicSurface;

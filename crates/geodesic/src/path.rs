@@ -5,6 +5,7 @@
 //! to the distance minus the source's start value, up to rounding (for ε > 0: up to ε).
 //! Source: [Bommes2012] §9 ("sufficient for the propagation and also for the exact evaluation").
 
+use crate::curves::told_in;
 use crate::error::GeodesicError;
 use crate::field::{Approach, Field, Via};
 use crate::sources::{Cell, cell_of, check_point, place};
@@ -172,19 +173,8 @@ impl Field<'_> {
 
     /// A point of the path in the face through which it goes on.
     fn same_point_in(&self, p: &SurfacePoint, face: FaceId, from: [f64; 2]) -> SurfacePoint {
-        let mesh = self.wave.surface.connectivity();
-        if p.face == face {
-            return *p;
-        }
-        let corner = |v: VertexId| mesh.face_vertices(face).into_iter().position(|u| u == v);
-        let mut weights = [0.0; 3];
-        for (k, v) in mesh.face_vertices(p.face).into_iter().enumerate().filter(|&(k, _)| p.weights[k] > 0.0) {
-            match corner(v) {
-                Some(j) => weights[j] = p.weights[k],
-                None => return SurfacePoint { face, weights: barycentric(self.wave.surface.layout(face), from) },
-            }
-        }
-        SurfacePoint { face, weights }
+        let elsewhere = || SurfacePoint { face, weights: barycentric(self.wave.surface.layout(face), from) };
+        told_in(self.wave.surface.connectivity(), p, face).unwrap_or_else(elsewhere)
     }
 
     /// The ways from a corner of a face: through the opposite side, along its sides, to sources inside.

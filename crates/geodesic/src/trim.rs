@@ -45,8 +45,8 @@ pub(crate) fn compare(new: &Window, old: &Window, lo: f64, hi: f64, narrow: f64)
     let cross = |a: f64, b: f64| crossing(new, old, a, b);
     match (s_lo, s_mid, s_hi) {
         (0, 0, 0) => Outcome::Equal((x > lo && x < hi).then_some(x)),
-        (0.., 0.., 0..) => Outcome::Old,
-        (..=0, ..=0, ..=0) => Outcome::New,
+        (0 | 1, 0 | 1, 0 | 1) => Outcome::Old,
+        (-1 | 0, -1 | 0, -1 | 0) => Outcome::New,
         (-1, 1, 1..) | (-1, 1, 0) if s_hi >= 0 => Outcome::NewThenOld(cross(lo, x)),
         (0.., 1, -1) => Outcome::OldThenNew(cross(x, hi)),
         (-1, 1, -1) => Outcome::OldInside(cross(lo, x), cross(x, hi)),

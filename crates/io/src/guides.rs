@@ -90,7 +90,7 @@ fn parse_json(bytes: &[u8]) -> Result<Vec<Guide>, Fault> {
 }
 
 /// An object with a `point`, or the bare triple.
-fn json_point(value: &Value) -> Option<DVec3> {
+pub(crate) fn json_point(value: &Value) -> Option<DVec3> {
     let triple = value.get("point").unwrap_or(value).as_array()?;
     let numbers: Vec<f64> = triple.iter().map(|x| x.as_f64().filter(|x| x.is_finite())).collect::<Option<_>>()?;
     Some(DVec3::from(<[f64; 3]>::try_from(numbers).ok()?))
@@ -99,7 +99,7 @@ fn json_point(value: &Value) -> Option<DVec3> {
 /// The line, from 1, on which an element of nested lists starts: `[2, 0]` is the first of the third.
 ///
 /// # Input      bytes: valid JSON; at: numbers of elements, outermost first
-fn line_of(bytes: &[u8], at: &[usize]) -> u64 {
+pub(crate) fn line_of(bytes: &[u8], at: &[usize]) -> u64 {
     let (mut line, mut in_string, mut escaped) = (1, false, false);
     // Numbers of the elements that the place belongs to, as far as lists go; an object counts as one, too.
     let mut path: Vec<usize> = Vec::new();

@@ -5,6 +5,7 @@
 #![warn(missing_docs)]
 
 mod atomic;
+mod curves;
 mod error;
 mod features;
 mod fields;
@@ -22,6 +23,7 @@ mod triangulate;
 mod vtu;
 
 pub use atomic::{Batch, check_writable, write_atomically};
+pub use curves::{CurveFile, CurvePoint, read_curves};
 pub use error::{ContentDefect, IoError, Place};
 pub use features::{
     FeatureFile, SAME_POINT_REL, SharpSide, read_features, read_sharp, read_vertex_pairs, write_sharp,
