@@ -1,6 +1,7 @@
 //! What can be typed.
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
+use quadloom::distance::{From, Lines};
 use std::path::PathBuf;
 
 /// Turns any surface into quadrilaterals.
@@ -28,6 +29,9 @@ pub enum Verb {
     /// Compute a cross field of a surface
     #[command(after_help = "Example: quadloom field sample:torus -o torus.rosy --write-singularities torus.sing")]
     Field(FieldArgs),
+    /// Measure exact geodesic distances on a surface from vertices, points and curves
+    #[command(after_help = "Example: quadloom distance sample:bracket --from features -o bracket.csv --isolines 20")]
+    Distance(Box<DistanceArgs>),
     /// Say whether a file is a surface, or a valid quad mesh, and what cures its defects
     #[command(after_help = "Example: quadloom check bracket.obj --reference sample:bracket")]
     Check(CheckArgs),
@@ -193,6 +197,51 @@ pub struct FieldArgs {
     pub run: RunArgs,
 }
 
+/// Arguments of `distance`.
+#[derive(Args)]
+#[command(allow_negative_numbers = true)]
+pub struct DistanceArgs {
+    /// The surface: a file or sample:NAME
+    pub input: String,
+    /// What distances are measured from; may be repeated, sources are numbered from 0: vertices:I,J,… (from 0),
+    /// point:X,Y,Z, boundary, features[:DEG] (edges that bend by more, default 35), curve:FILE (.obj with l lines, or
+    /// JSON: [[[x,y,z], {"face":0,"weights":[a,b,c]}, …], …])
+    #[arg(long, value_name = "SOURCE", required = true)]
+    pub from: Vec<From>,
+    /// Where distances go: .csv (vertex,distance,source), .ply or .vtu (attributes), .obj (colours)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Distances with which the sources start, in units of the file, as in 0,0.5; missing ones start at 0
+    #[arg(long, value_name = "D,…", value_delimiter = ',', value_parser = parse_from_zero)]
+    pub start: Vec<f64>,
+    /// Relative error that distances may have, 0 (exact) up to below 1: 0.001 is several times faster
+    #[arg(long, value_name = "E", default_value_t = 0.0, value_parser = parse_epsilon)]
+    pub epsilon: f64,
+    /// How far points and curves may be from the surface, relative to its diagonal
+    #[arg(long, value_name = "REL", default_value_t = 0.05, value_parser = parse_above_zero)]
+    pub snap: f64,
+
+    /// Draw lines of equal distance: a whole number of them, or a spacing with a decimal point
+    #[arg(long, value_name = "N|SPACING", help_heading = "Also write")]
+    pub isolines: Option<Lines>,
+    /// Where they go: .obj (l lines) or .svg [default: the output's name with .isolines.obj]
+    #[arg(long, value_name = "FILE", requires = "isolines", help_heading = "Also write")]
+    pub isolines_to: Option<PathBuf>,
+    /// Trace shortest paths from here to their sources: vertices:I,J,… or point:X,Y,Z; may be repeated
+    #[arg(long, value_name = "POINT", help_heading = "Also write")]
+    pub path_from: Vec<From>,
+    /// Where they go: .obj (l lines) or .svg [default: the output's name with .paths.obj]
+    #[arg(long, value_name = "FILE", requires = "path_from", help_heading = "Also write")]
+    pub paths_to: Option<PathBuf>,
+    /// Write everything measured as JSON
+    #[arg(long, value_name = "FILE.json", help_heading = "Also write")]
+    pub report: Option<PathBuf>,
+
+    /// How the run behaves.
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
 /// Arguments of `check`.
 #[derive(Args)]
 pub struct CheckArgs {
@@ -268,6 +317,16 @@ fn parse_seed(text: &str) -> Result<u64, String> {
 fn parse_above_zero(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|&x: &f64| x > 0.0 && x.is_finite());
     number.ok_or_else(|| "a finite number above 0 is needed, with a decimal point".into())
+}
+
+fn parse_from_zero(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|&x: &f64| x >= 0.0 && x.is_finite());
+    number.ok_or_else(|| "finite numbers from 0 are needed, as in 0,0.5".into())
+}
+
+fn parse_epsilon(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x: &f64| (0.0..1.0).contains(x));
+    number.ok_or_else(|| "a number from 0 to below 1 is needed, as in 0.001 for 0.1 percent".into())
 }
 
 fn parse_part(text: &str) -> Result<f64, String> {

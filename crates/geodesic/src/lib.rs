@@ -19,7 +19,7 @@ pub use curves::{CurveTracer, boundary_sources, edge_sources};
 pub use cut_locus::{CutLocus, CutPoint};
 pub use error::GeodesicError;
 pub use field::{EdgeWindow, Field, Nearest, vertex_distances};
-pub use isolines::{Isoline, isolines, spaced};
+pub use isolines::{Isoline, MOST_VALUES, isolines, spaced};
 pub use path::GeodesicPath;
 pub use sources::{Source, SourceShape};
 pub use surface::IntrinsicSurface;

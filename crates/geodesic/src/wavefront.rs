@@ -653,6 +653,8 @@ impl<'a> Wavefront<'a> {
 
     /// A path reaches a vertex.
     fn reach(&mut self, v: VertexId, distance: f64, root: u32, error: f32) {
+        // The ends of a front's interval are rounded, also to beyond its source.
+        let distance = distance.max(0.0);
         let before = self.distance[v];
         if distance >= before {
             return;

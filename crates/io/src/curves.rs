@@ -50,7 +50,8 @@ pub fn read_curves(path: impl AsRef<Path>) -> Result<CurveFile, IoError> {
 }
 
 /// What a file of curves looks like, for messages.
-const LAYOUT: &str = "curves are a list of lists of points: [[[x, y, z], …], [{\"face\": 0, \"weights\": [a, b, c]}, …]]";
+const LAYOUT: &str =
+    "curves are a list of lists of points: [[[x, y, z], …], [{\"face\": 0, \"weights\": [a, b, c]}, …]]";
 
 fn parse_json(bytes: &[u8]) -> Result<CurveFile, Fault> {
     let malformed = |line: u64, text: String| Fault::line(line, ContentDefect::Malformed(format!("{text}; {LAYOUT}")));
@@ -78,8 +79,12 @@ fn parse_json(bytes: &[u8]) -> Result<CurveFile, Fault> {
 fn curve_point(value: &Value) -> Option<CurvePoint> {
     let Some(face) = value.get("face") else { return json_point(value).map(CurvePoint::Space) };
     let face = u32::try_from(face.as_u64()?).ok()?;
-    let weights: Vec<f64> =
-        value.get("weights")?.as_array()?.iter().map(|x| x.as_f64().filter(|x| x.is_finite())).collect::<Option<_>>()?;
+    let weights: Vec<f64> = value
+        .get("weights")?
+        .as_array()?
+        .iter()
+        .map(|x| x.as_f64().filter(|x| x.is_finite()))
+        .collect::<Option<_>>()?;
     Some(CurvePoint::OnFace { face, weights: weights.try_into().ok()? })
 }
 

@@ -38,6 +38,9 @@ pub enum RemeshError {
         /// Largest coordinate, file units.
         most: f64,
     },
+    /// Distances cannot be measured on the surface, or not from these sources.
+    #[error(transparent)]
+    Geodesic(quadloom_geodesic::GeodesicError),
     /// A piece of the input has no area.
     #[error(
         "{faces} faces form a piece without area (first: face {first}); delete them, or check the units and the \
@@ -133,6 +136,15 @@ pub enum FailureKind {
     Cancelled,
 }
 
+impl From<quadloom_geodesic::GeodesicError> for RemeshError {
+    fn from(error: quadloom_geodesic::GeodesicError) -> Self {
+        match error {
+            quadloom_geodesic::GeodesicError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Geodesic(other),
+        }
+    }
+}
+
 impl RemeshError {
     /// The kind of failure.
     pub fn kind(&self) -> FailureKind {
@@ -147,7 +159,10 @@ impl RemeshError {
             // The file was read; it belongs to another input.
             Self::File(quadloom_io::IoError::Mismatch { .. }) => FailureKind::Rejected,
             Self::File(_) | Self::NoFaces => FailureKind::Unreadable,
-            Self::Input(_) | Self::Mismatch { .. } | Self::Extent { .. } | Self::NoArea { .. } => FailureKind::Rejected,
+            Self::Geodesic(quadloom_geodesic::GeodesicError::Option { .. }) => FailureKind::Usage,
+            Self::Input(_) | Self::Mismatch { .. } | Self::Extent { .. } | Self::Geodesic(_) | Self::NoArea { .. } => {
+                FailureKind::Rejected
+            }
             Self::NoResult { .. } => FailureKind::NoResult,
             Self::Cancelled(c) if c.time_limit => FailureKind::Limit,
             Self::Cancelled(_) => FailureKind::Cancelled,
@@ -161,6 +176,7 @@ impl RemeshError {
             | Self::Input(_)
             | Self::Mismatch { .. }
             | Self::Extent { .. }
+            | Self::Geodesic(_)
             | Self::NoArea { .. }
             | Self::NoResult { .. } => Self::Of { input: input.to_string(), error: Box::new(self) },
             other => other,
@@ -211,6 +227,10 @@ pub enum WarningCode {
     DetailLost,
     /// A stage that was asked for does not exist for this input.
     Ignored,
+    /// Parts of the surface have no source from which a distance could be measured.
+    Unreached,
+    /// A path that was asked for begins where no source reaches.
+    PathMissed,
 }
 
 /// Something about a result that a user should know.
@@ -240,6 +260,7 @@ impl WarningCode {
             | Self::FacingUnclear
             | Self::FeatureMissed
             | Self::GuideFar
+            | Self::PathMissed
             | Self::SingularitiesMissed
             | Self::TieMissed
             | Self::TrianglesSplit => 0,
@@ -249,6 +270,7 @@ impl WarningCode {
             | Self::DetailLost
             | Self::DefaultCountMissed
             | Self::TopologyRepaired
+            | Self::Unreached
             | Self::Ignored => 1,
             Self::FoldsSurvived | Self::LooseFeaturesDropped | Self::NoiseSmoothed | Self::Repaired => 2,
             Self::Retried => 3,

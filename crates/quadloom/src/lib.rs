@@ -19,6 +19,7 @@
 pub mod calm;
 pub mod components;
 pub mod count;
+pub mod distance;
 pub mod error;
 pub mod features;
 pub mod field;
@@ -49,6 +50,7 @@ pub use error::{FailureKind, RemeshError, Warning, WarningCode};
 pub use input::{Source, load};
 pub use options::{AdaptTo, Elements, Fallback, GivenField, Method, RemeshOptions, Target};
 pub use quadloom_extract as extract;
+pub use quadloom_geodesic as geodesic;
 pub use quadloom_io as io;
 pub use quadloom_mesh as mesh;
 pub use quadloom_mesh::shapes::{sample, sample_names};

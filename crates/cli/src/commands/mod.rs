@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod convert;
+pub mod distance;
 pub mod field;
 pub mod files;
 pub mod remesh;
@@ -61,6 +62,10 @@ pub enum OutputKind {
     Map,
     /// A cross field.
     Field,
+    /// Distances.
+    Distances,
+    /// Polylines.
+    Lines,
     /// A page.
     Page,
     /// Text; any name will do.
@@ -74,6 +79,8 @@ impl OutputKind {
             Self::Surface => quadloom::io::Format::from_path(path).is_some(),
             Self::Map => extension.as_deref() == Some("obj"),
             Self::Field => matches!(path.extension().and_then(|e| e.to_str()), Some("rosy" | "rawfield")),
+            Self::Distances => matches!(extension.as_deref(), Some("csv" | "ply" | "vtu" | "obj")),
+            Self::Lines => matches!(extension.as_deref(), Some("obj" | "svg")),
             Self::Page => matches!(extension.as_deref(), Some("html" | "htm")),
             Self::Text => true,
         }
@@ -84,6 +91,8 @@ impl OutputKind {
             Self::Surface => quadloom::io::Format::WRITTEN,
             Self::Map => ".obj",
             Self::Field => quadloom::output::FIELDS_WRITTEN,
+            Self::Distances => quadloom::distance::EXPECTED,
+            Self::Lines => ".obj or .svg",
             Self::Page => ".html",
             Self::Text => "any name",
         }

@@ -33,7 +33,8 @@ impl FromStr for From {
         match (kind, rest) {
             ("vertices" | "vertex", Some(list)) => {
                 let ids: Option<Vec<u32>> = list.split(',').map(|v| v.trim().parse().ok()).collect();
-                ids.map(Self::Vertices).ok_or_else(|| format!("`{list}`: vertex numbers from 0 are needed, as in vertices:3,17"))
+                ids.map(Self::Vertices)
+                    .ok_or_else(|| format!("`{list}`: vertex numbers from 0 are needed, as in vertices:3,17"))
             }
             ("point", Some(list)) => {
                 let xyz: Option<Vec<f64>> =
@@ -81,7 +82,8 @@ pub enum Lines {
 impl FromStr for Lines {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        let count = || text.parse().ok().filter(|&n: &usize| n > 0 && n <= quadloom_geodesic::MOST_VALUES).map(Self::Count);
+        let count =
+            || text.parse().ok().filter(|&n: &usize| n > 0 && n <= quadloom_geodesic::MOST_VALUES).map(Self::Count);
         let spacing = || text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite()).map(Self::Spacing);
         let whole = text.bytes().all(|b| b.is_ascii_digit());
         let lines = if whole { count() } else { spacing() };
@@ -164,8 +166,19 @@ mod tests {
 
     #[test]
     fn what_names_no_source_is_refused() {
-        for text in ["vertices:", "vertices:-1", "vertices:1;2", "point:1,2", "point:1,2,nan", "edges", "boundary:3",
-            "features:0", "features:x", "curve:", ""] {
+        for text in [
+            "vertices:",
+            "vertices:-1",
+            "vertices:1;2",
+            "point:1,2",
+            "point:1,2,nan",
+            "edges",
+            "boundary:3",
+            "features:0",
+            "features:x",
+            "curve:",
+            "",
+        ] {
             assert!(text.parse::<From>().is_err(), "{text}");
         }
     }
