@@ -20,7 +20,8 @@ use quadloom_mesh::HalfEdgeId;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pencil {
     pub window: Window,
-    rays: [[f64; 2]; 2],
+    /// From the window's two ends, not normalised.
+    pub rays: [[f64; 2]; 2],
 }
 
 /// Where two windows meet so that their rays part: what is between is seen from there.

@@ -5,6 +5,7 @@
 //! that end inside a face, which cross no edge; for ε > 0 ridges may be those of merged windows.
 //! Source: [Bommes2012] §9, adaptive refinement ("smooth ... everywhere except for the geodesic medial axis").
 
+use crate::error::GeodesicError;
 use crate::field::Field;
 use crate::wavefront::label_of;
 use quadloom_mesh::EdgeId;
@@ -39,8 +40,10 @@ impl Field<'_> {
     /// # Input      jump: least difference of cosines, above 0; 0.1 hides what noise of the surface makes
     /// # Output     places and lines; in a face with two places a line joins them, in one with more each is joined to
     /// the nearest by distance that is left
+    /// # Errors     a wavefront that kept no windows
     /// # Cost       linear in the windows
-    pub fn cut_locus(&self, jump: f64) -> CutLocus {
+    pub fn cut_locus(&self, jump: f64) -> Result<CutLocus, GeodesicError> {
+        self.needs_windows()?;
         let (wave, mesh) = (self.wave, self.wave.surface.connectivity());
         let mut locus = CutLocus::default();
         let mut of_edge: Vec<std::ops::Range<usize>> = Vec::with_capacity(mesh.edge_count());
@@ -65,6 +68,6 @@ impl Field<'_> {
             here.sort_by(|&a, &b| locus.points[a].distance.total_cmp(&locus.points[b].distance).then(a.cmp(&b)));
             locus.segments.extend(here.windows(2).map(|w| [w[0], w[1]]));
         }
-        locus
+        Ok(locus)
     }
 }

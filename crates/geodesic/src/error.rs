@@ -110,6 +110,9 @@ pub enum GeodesicError {
         /// Face of the point.
         face: FaceId,
     },
+    /// Windows are needed where only distances of vertices were kept.
+    #[error("only distances of vertices were kept; spread with Keep::Windows to ask for more")]
+    NoWindows,
     /// A tolerance that is none.
     #[error("{what} must be {range}, not {value}")]
     Option {

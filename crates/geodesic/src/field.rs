@@ -107,9 +107,10 @@ impl<'w> Field<'w> {
 
     /// Distance, nearest source and gradient at a point.
     ///
-    /// # Errors     a point that is none
+    /// # Errors     a point that is none; a wavefront that kept no windows
     /// # Cost       linear in the windows of its face
     pub fn at(&self, p: &SurfacePoint) -> Result<Nearest, GeodesicError> {
+        self.needs_windows()?;
         let p = check_point(self.wave.surface.connectivity(), *p, 0)?;
         let at = place(self.wave.surface.layout(p.face), p.weights);
         let Some(approach) = self.approach(p.face, at, None) else {
@@ -120,6 +121,14 @@ impl<'w> Field<'w> {
         let gradient = if length > 0.0 { [-x / length, -y / length] } else { [0.0; 2] };
         let label = (approach.label != u32::MAX).then_some(approach.label);
         Ok(Nearest { distance: approach.distance / self.wave.surface.scale(), label, gradient })
+    }
+
+    /// # Errors     windows that were forgotten
+    pub(crate) fn needs_windows(&self) -> Result<(), GeodesicError> {
+        match self.wave.keep {
+            Keep::Windows => Ok(()),
+            Keep::Vertices => Err(GeodesicError::NoWindows),
+        }
     }
 
     /// The shortest path to a place in a face's layout that does not come through one of its sides.
@@ -228,7 +237,7 @@ impl<'a> Wavefront<'a> {
     }
 
     /// Sources that are no vertices and lie in a face or on its sides.
-    fn roots_of(&self, face: FaceId) -> &[u32] {
+    pub(crate) fn roots_of(&self, face: FaceId) -> &[u32] {
         let from = self.face_roots.partition_point(|&(f, _)| f < face);
         let to = self.face_roots.partition_point(|&(f, _)| f <= face);
         &self.root_list[from..to]

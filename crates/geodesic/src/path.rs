@@ -41,6 +41,7 @@ impl Field<'_> {
     /// # Errors     a point that is none
     /// # Cost       linear in the windows of the faces that the path crosses
     pub fn path_from(&self, p: &SurfacePoint) -> Result<Option<GeodesicPath>, GeodesicError> {
+        self.needs_windows()?;
         let (wave, mesh) = (self.wave, self.wave.surface.connectivity());
         let p = check_point(mesh, *p, 0)?;
         let mut at = match cell_of(mesh, &p) {
@@ -193,7 +194,7 @@ impl Field<'_> {
 }
 
 /// Weights of a place in a layout.
-fn barycentric(corners: [[f64; 2]; 3], [x, y]: [f64; 2]) -> [f64; 3] {
+pub(crate) fn barycentric(corners: [[f64; 2]; 3], [x, y]: [f64; 2]) -> [f64; 3] {
     // Corner 0 is the origin, corner 1 on the x axis, corner 2 above it.
     let ([bx, _], [cx, cy]) = (corners[1], corners[2]);
     let w2 = if cy > 0.0 { (y / cy).clamp(0.0, 1.0) } else { 0.0 };

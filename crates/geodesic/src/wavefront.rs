@@ -13,6 +13,7 @@ use crate::error::GeodesicError;
 use crate::insert::{Pieces, insert};
 use crate::lists::EdgeLists;
 use crate::merge;
+use crate::profile::fronts;
 use crate::sources::{Cell, Root, Source, Sources, cell_of, place};
 use crate::surface::{Apex, IntrinsicSurface, Turn};
 use crate::window::{OVERLAP_REL, TIE_REL, Window};
@@ -111,7 +112,7 @@ pub struct Wavefront<'a> {
     closing: BinaryHeap<Event>,
     scratch: Scratch,
     epsilon: f64,
-    keep: Keep,
+    pub(crate) keep: Keep,
 }
 
 /// Lists that are empty between steps.
@@ -339,39 +340,8 @@ impl<'a> Wavefront<'a> {
 
     /// The two fronts of a segment on a side of its face.
     fn start_fronts(&mut self, g: HalfEdgeId, frame: &Frame, p: [f64; 2], q: [f64; 2], start: f64, root: u32) {
-        let ([px, py], [qx, qy]) = (frame.to(p), frame.to(q));
-        let length = (qx - px).hypot(qy - py);
-        if length <= 0.0 || frame.length <= 0.0 {
-            return;
-        }
-        let (dx, dy) = ((qx - px) / length, (qy - py) / length);
-        // 1. Where the foot of (x, 0) on the line is between the ends: 0 ≤ (x − px)·dx − py·dy ≤ length.
-        let [mut lo, mut hi] = [0.0, frame.length];
-        if dx == 0.0 {
-            if !(0.0..=length).contains(&(-py * dy)) {
-                return;
-            }
-        } else {
-            let ends = [px + py * dy / dx, px + (length + py * dy) / dx];
-            lo = ends[0].min(ends[1]).max(lo);
-            hi = ends[0].max(ends[1]).min(hi);
-        }
-        // 2. On the left of the line, and on its right: distance ±((y − py)·dx − (x − px)·dy).
-        for sign in [1.0, -1.0] {
-            let (slope, at_origin) = (-sign * dy, sign * (px * dy - py * dx));
-            let (mut from, mut to) = (lo, hi);
-            if slope > 0.0 {
-                from = from.max(-at_origin / slope);
-            } else if slope < 0.0 {
-                to = to.min(-at_origin / slope);
-            } else if at_origin < 0.0 {
-                continue;
-            }
-            if to > from {
-                let slack = OVERLAP_REL * frame.length;
-                let interval = [(from - slack).max(0.0), (to + slack).min(frame.length)];
-                self.enter(g, Window::linear(interval, [slope, dx], start + at_origin, root), true);
-            }
+        for window in fronts(frame, p, q, start, root).into_iter().flatten() {
+            self.enter(g, window, true);
         }
     }
 

@@ -126,9 +126,15 @@ impl Window {
         if self.is_linear() { self.at(self.b0).min(self.at(self.b1)) } else { self.at(self.sx.clamp(self.b0, self.b1)) }
     }
 
-    /// Greatest distance over the interval; the function is convex.
-    pub fn greatest(&self) -> f64 {
-        self.at(self.b0).max(self.at(self.b1))
+    /// The same window with x counted from a place.
+    pub fn shifted(mut self, from: f64) -> Self {
+        (self.b0, self.b1) = (self.b0 - from, self.b1 - from);
+        if self.is_linear() {
+            self.sigma += self.sx * from;
+        } else {
+            self.sx -= from;
+        }
+        self
     }
 
     /// The same window seen from the other half-edge of an edge of the given length.
@@ -142,6 +148,14 @@ impl Window {
             self.sx = length - self.sx;
         }
         self
+    }
+
+    /// Where the distance grows with a slope below 1 along the edge: `q = s_x + a·|s_y|/√(1 − a²)`, where the
+    /// difference to a straight line of that slope has its extremum ([Bommes2012] §9 prints another sign).
+    ///
+    /// Not finite where there is none.
+    pub fn has_slope_at(&self, slope: f64) -> f64 {
+        if self.is_linear() { f64::NAN } else { self.sx + slope * self.sy / (1.0 - slope * slope).sqrt() }
     }
 
     /// Where the slopes of two windows are equal: the only place where their difference has an extremum.

@@ -154,7 +154,11 @@ fn points_segments_and_start_values_as_sources() {
         sources.reverse();
         wave.spread(&sources, &Options { keep: Keep::Vertices, ..Options::default() }, &Progress::none()).unwrap();
         for (v, &d) in wave.field().vertex_distances().iter() {
-            assert!(d == ours[v] || (d - ours[v]).abs() <= 1e-13 * largest(ours.values()), "{seed} {v} {d} {}", ours[v]);
+            assert!(
+                d == ours[v] || (d - ours[v]).abs() <= 1e-13 * largest(ours.values()),
+                "{seed} {v} {d} {}",
+                ours[v]
+            );
         }
     }
 }
