@@ -220,6 +220,10 @@ pub struct DistanceArgs {
     /// How far points and curves may be from the surface, relative to its diagonal
     #[arg(long, value_name = "REL", default_value_t = 0.05, value_parser = parse_above_zero)]
     pub snap: f64,
+    /// Refine the mesh until distances are linear along its edges up to this, in units of the file; .ply, .vtu and .obj
+    /// then hold the refined mesh: the vertices of the input, then new ones. The rows of .csv stay those of the input
+    #[arg(long, value_name = "TOL", value_parser = parse_above_zero)]
+    pub refine: Option<f64>,
 
     /// Draw lines of equal distance: a whole number of them, or a spacing with a decimal point
     #[arg(long, value_name = "N|SPACING", help_heading = "Also write")]
@@ -236,6 +240,9 @@ pub struct DistanceArgs {
     /// Write everything measured as JSON
     #[arg(long, value_name = "FILE.json", help_heading = "Also write")]
     pub report: Option<PathBuf>,
+    /// Draw bands of distance, lines, sources, paths and the cut locus in one self-contained page
+    #[arg(long, value_name = "FILE.html", help_heading = "Also write")]
+    pub view: Option<PathBuf>,
 
     /// How the run behaves.
     #[command(flatten)]

@@ -28,14 +28,14 @@ use std::collections::{HashMap, HashSet};
 pub struct RefineOptions {
     /// Largest difference between the distance and its linear interpolant along an edge, file units; above 0.
     pub tolerance: f64,
-    /// No more faces than this. Default 20 million: about 4 GB while it runs.
+    /// No more faces than this. Default 5 million: about 2 GB while it runs.
     pub most_faces: usize,
 }
 
 impl RefineOptions {
     /// A tolerance in file units.
     pub fn within(tolerance: f64) -> Self {
-        Self { tolerance, most_faces: 20_000_000 }
+        Self { tolerance, most_faces: 5_000_000 }
     }
 }
 
@@ -58,6 +58,8 @@ pub struct Refinement {
     pub error_before: f64,
     /// The same for the refined mesh.
     pub error: f64,
+    /// Smallest angle of a triangle of the old mesh, degrees.
+    pub smallest_old_angle: f64,
     /// Smallest angle of a triangle with a new vertex, degrees; infinity where there is none.
     pub smallest_new_angle: f64,
     /// Rounds of refinement.
@@ -508,6 +510,7 @@ impl<'w> Refiner<'w> {
             length,
             error_before: error_before / scale,
             error: error / scale,
+            smallest_old_angle: mesh.faces().map(|f| smallest_angle(surface.layout(f))).fold(f64::INFINITY, f64::min),
             smallest_new_angle: smallest,
             steps,
             is_reached,

@@ -231,6 +231,8 @@ pub enum WarningCode {
     Unreached,
     /// A path that was asked for begins where no source reaches.
     PathMissed,
+    /// A tolerance of refinement was not met.
+    RefinementMissed,
 }
 
 /// Something about a result that a user should know.
@@ -261,6 +263,7 @@ impl WarningCode {
             | Self::FeatureMissed
             | Self::GuideFar
             | Self::PathMissed
+            | Self::RefinementMissed
             | Self::SingularitiesMissed
             | Self::TieMissed
             | Self::TrianglesSplit => 0,

@@ -7,9 +7,10 @@ use crate::console::Console;
 use crate::{exit, watchdog};
 use quadloom::RemeshError;
 use quadloom::distance::{
-    Curve, DistanceRequest, From, measure_distances, stage_distances, stage_lines, stage_lines_svg,
+    Curve, DistanceRequest, From, measure_distances, scene, stage_distances, stage_lines, stage_lines_svg,
 };
 use quadloom::io::Batch;
+use quadloom::view::render_html;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -27,9 +28,10 @@ pub fn run(args: &DistanceArgs) -> Result<ExitCode, RemeshError> {
         start: args.start.clone(),
         epsilon: args.epsilon,
         snap_rel: args.snap,
+        refine: args.refine,
+        picture: args.view.is_some(),
         isolines: args.isolines,
         path_from: args.path_from.clone(),
-        ..DistanceRequest::default()
     };
     let result = measure_distances(&soup, &request, &progress).map_err(|e| e.of_input(&args.input))?;
     console.warnings(&result.warnings);
@@ -46,6 +48,9 @@ pub fn run(args: &DistanceArgs) -> Result<ExitCode, RemeshError> {
     if let Some(path) = &args.report {
         let report = serde_json::json!({ "distance": result.report, "warnings": result.warnings });
         stage_text(&mut files, path, &format!("{report:#}\n"))?;
+    }
+    if let Some(path) = &args.view {
+        stage_text(&mut files, path, &render_html(&scene(&result, &args.input)))?;
     }
     files.commit()?;
     let report = &result.report;
@@ -96,4 +101,5 @@ fn files(args: &DistanceArgs, isolines: Option<&PathBuf>, paths: Option<&PathBuf
         .writes("the isolines (--isolines-to)", isolines, OutputKind::Lines)
         .writes("the paths (--paths-to)", paths, OutputKind::Lines)
         .writes("the report (--report)", args.report.as_ref(), OutputKind::Text)
+        .writes("the page (--view)", args.view.as_ref(), OutputKind::Page)
 }

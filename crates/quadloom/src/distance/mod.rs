@@ -4,16 +4,20 @@
 //! distance, shortest paths, a report. Holds: what [`quadloom_geodesic`] holds; vertices keep the numbers of the input,
 //! those that no face uses are kept and are not reached. Source: [Bommes2012] §9.
 
+mod fine;
 mod output;
+mod picture;
 pub mod request;
 mod sources;
 
+pub use fine::{Fine, RefinementReport};
 pub use output::{EXPECTED, stage_distances, stage_lines, stage_lines_svg};
+pub use picture::scene;
 pub use request::{DistanceRequest, From, Lines};
 
 use crate::error::{RemeshError, Warning, WarningCode};
 use quadloom_geodesic::{
-    Counts, Field, IntrinsicSurface, Isoline, Keep, Options, Source, SourceShape, Wavefront, isolines, spaced,
+    Counts, CutLocus, Field, IntrinsicSurface, Isoline, Keep, Options, Source, SourceShape, Wavefront, isolines, spaced,
 };
 use quadloom_mesh::metric::edge_lengths;
 use quadloom_mesh::repair::{RepairOptions, repair};
@@ -34,12 +38,16 @@ pub struct DistanceResult {
     pub distance: VertexMap<f64>,
     /// Number of the nearest source.
     pub source: VertexMap<Option<u32>>,
+    /// A mesh on which the field is nearly linear, where one was asked for or lines and pictures need it.
+    pub fine: Option<Fine>,
     /// Lines of equal distance.
     pub isolines: Vec<Curve>,
     /// Shortest paths, one per point asked for; without points where no source reaches.
     pub paths: Vec<Curve>,
-    /// Sources as points and polylines, each with its number.
+    /// Sources as points and segments, each with its number; only for pictures.
     pub source_curves: Vec<Curve>,
+    /// Where shortest paths of different directions meet, as segments; only for pictures.
+    pub cut_locus: Vec<Curve>,
     /// What was done and measured.
     pub report: DistanceReport,
     /// What a user should know.
@@ -82,11 +90,13 @@ pub struct DistanceReport {
     pub windows: Option<usize>,
     /// The same per edge.
     pub windows_per_edge: Option<f64>,
+    /// The mesh that was made finer, where that was asked for.
+    pub refinement: Option<RefinementReport>,
     /// Lines of equal distance.
     pub isolines: usize,
     /// Lengths of the paths asked for; `None` where no source reaches.
     pub path_lengths: Vec<Option<f64>>,
-    /// Seconds: repair, sources, wavefront, queries.
+    /// Where the time went.
     pub seconds: Seconds,
 }
 
@@ -158,7 +168,8 @@ pub fn measure_distances(
     let snapped = lookup.moved;
     seconds.sources = clock.lap();
     // 3. The wavefront.
-    let needs_windows = !path_points.is_empty() || request.picture;
+    let needs_windows =
+        !path_points.is_empty() || request.picture || request.refine.is_some() || request.isolines.is_some();
     let keep = if needs_windows { Keep::Windows } else { Keep::Vertices };
     let mut wave = Wavefront::new(&surface);
     wave.spread(&sources, &Options { epsilon: request.epsilon, keep, ..Options::default() }, progress)?;
@@ -167,9 +178,16 @@ pub fn measure_distances(
     progress.report("queries", 0.0);
     let field = wave.field();
     let (distance, source) = (field.vertex_distances(), field.vertex_labels());
-    let lines = lines_of(mesh, &distance, request.isolines)?;
+    let largest_distance = distance.values().iter().copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
+    let fine = Fine::of(&repaired, &field, request, largest_distance, progress)?;
+    let (line_mesh, line_distance) = fine.as_ref().map_or((mesh, &distance), |fine| (&fine.mesh, &fine.distance));
+    let lines = lines_of(line_mesh, line_distance, request.isolines, largest_distance)?;
     let paths = path_points.iter().map(|p| path_of(mesh, &field, p)).collect::<Result<Vec<_>, _>>()?;
-    let source_curves = if request.picture { curves_of_sources(mesh, &sources) } else { Vec::new() };
+    let (mut source_curves, mut cut_locus) = (Vec::new(), Vec::new());
+    if request.picture {
+        source_curves = curves_of_sources(mesh, &sources);
+        cut_locus = curves_of_cut_locus(mesh, &field.cut_locus(CUT_LOCUS_JUMP)?);
+    }
     source.values().iter().flatten().for_each(|&k| source_reports[k as usize].vertices += 1);
     let unreached = distance.values().iter().filter(|d| d.is_infinite()).count();
     let windows = needs_windows.then(|| field.window_count());
@@ -180,12 +198,13 @@ pub fn measure_distances(
         input_vertices: soup.positions.len(),
         sources: source_reports,
         epsilon: request.epsilon,
-        largest_distance: distance.values().iter().copied().filter(|d| d.is_finite()).fold(0.0, f64::max),
+        largest_distance,
         unreached,
         snapped,
         counts: field.counts(),
         windows,
         windows_per_edge: windows.map(|w| w as f64 / mesh.edge_count() as f64),
+        refinement: fine.as_ref().and_then(|fine| fine.report.clone()),
         isolines: lines.len(),
         path_lengths: paths.iter().map(|p| (!p.points.is_empty()).then_some(p.value)).collect(),
         seconds,
@@ -196,9 +215,11 @@ pub fn measure_distances(
         mesh: repaired.mesh,
         distance,
         source,
+        fine,
         isolines: lines,
         paths,
         source_curves,
+        cut_locus,
         report,
         warnings,
     })
@@ -233,12 +254,23 @@ fn warnings_of(report: &DistanceReport, repair: &quadloom_mesh::repair::RepairRe
             format!("{lost} of {} paths begin where no source reaches (--path-from)", report.path_lengths.len());
         warnings.push(Warning::new(WarningCode::PathMissed, message));
     }
+    if let Some(refinement) = report.refinement.as_ref().filter(|r| !r.is_reached) {
+        let message = format!(
+            "refinement stopped at an error of {:.3e} with {} faces, --refine asked for {:.3e}; use a larger tolerance",
+            refinement.largest_error, refinement.faces, refinement.tolerance
+        );
+        warnings.push(Warning::new(WarningCode::RefinementMissed, message));
+    }
     warnings
 }
 
-fn lines_of(mesh: &TriMesh, distance: &VertexMap<f64>, lines: Option<Lines>) -> Result<Vec<Curve>, RemeshError> {
+fn lines_of(
+    mesh: &TriMesh,
+    distance: &VertexMap<f64>,
+    lines: Option<Lines>,
+    largest: f64,
+) -> Result<Vec<Curve>, RemeshError> {
     let Some(lines) = lines else { return Ok(Vec::new()) };
-    let largest = distance.values().iter().copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
     let values = match lines {
         Lines::Spacing(spacing) => spaced(distance, spacing)?,
         Lines::Count(count) => (1..=count).map(|k| largest * k as f64 / (count + 1) as f64).collect(),
@@ -266,6 +298,22 @@ fn path_of(mesh: &TriMesh, field: &Field, p: &SurfacePoint) -> Result<Curve, Rem
         value: path.as_ref().map_or(f64::INFINITY, |path| path.length),
         normals: points.iter().map(|p| mesh.face_normal(p.face)).collect(),
     })
+}
+
+/// Least difference of cosines at which a ridge is drawn: less is what a mesh's own facets make.
+const CUT_LOCUS_JUMP: f64 = 0.2;
+
+fn curves_of_cut_locus(mesh: &TriMesh, locus: &CutLocus) -> Vec<Curve> {
+    let place = |k: usize| {
+        let p = &locus.points[k];
+        let [a, b] = mesh.ends(p.edge).map(|v| mesh.position(v));
+        (a.lerp(b, p.at), mesh.face_normal(mesh.edge_faces(p.edge).0))
+    };
+    let curve = |&[j, k]: &[usize; 2]| {
+        let ((p, m), (q, n)) = (place(j), place(k));
+        Curve { points: vec![p, q], value: locus.points[j].distance, normals: vec![m, n] }
+    };
+    locus.segments.iter().map(curve).collect()
 }
 
 fn curves_of_sources(mesh: &TriMesh, sources: &[Source]) -> Vec<Curve> {

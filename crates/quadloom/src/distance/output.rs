@@ -3,10 +3,10 @@
 //! In: a [`DistanceResult`]. Out: files that are staged. Holds: rows and vertices are in the order of the input; what no
 //! source reaches is `inf` with no source in text, NaN in formats with attributes.
 
-use super::{Curve, DistanceResult};
+use super::{Curve, DistanceResult, Fine};
 use crate::error::RemeshError;
 use quadloom_io::{Batch, Format, IoError, SurfaceOut, WriteOptions, stage_surface};
-use quadloom_mesh::{DVec3, FaceSoup};
+use quadloom_mesh::{DVec3, FaceSoup, VertexId};
 use std::io::Write;
 use std::path::Path;
 
@@ -35,6 +35,9 @@ pub fn stage_distances(
     let Some(format) = format else {
         return Err(IoError::UnknownOutput { path: path.to_path_buf(), expected: EXPECTED }.into());
     };
+    if let Some(fine) = result.fine.as_ref().filter(|fine| fine.report.is_some()) {
+        return stage_refined(files, path, format, soup, result, fine);
+    }
     let value = |v: usize| result.vertex_of_input[v].map(|v| result.distance[v]).filter(|d| d.is_finite());
     let source = |v: usize| result.vertex_of_input[v].and_then(|v| result.source[v]).map_or(f64::NAN, f64::from);
     let all = 0..soup.positions.len();
@@ -45,6 +48,46 @@ pub fn stage_distances(
     } else {
         let distances = all.clone().map(|v| value(v).unwrap_or(f64::NAN)).collect();
         surface.vertex_attributes = vec![("distance".into(), distances), ("source".into(), all.map(source).collect())];
+    }
+    stage_surface(files, path, &surface, &WriteOptions::default())?;
+    Ok(())
+}
+
+/// Adds a refined mesh: the vertices of the input in their order, then the new ones.
+fn stage_refined(
+    files: &mut Batch,
+    path: &Path,
+    format: Format,
+    soup: FaceSoup,
+    result: &DistanceResult,
+    fine: &Fine,
+) -> Result<(), RemeshError> {
+    // 1. Numbers.
+    let mut positions = soup.positions;
+    let mut number = vec![u32::MAX; fine.mesh.vertex_count()];
+    let mut vertex: Vec<Option<VertexId>> = result.vertex_of_input.clone();
+    for (i, v) in result.vertex_of_input.iter().enumerate() {
+        if let Some(v) = v.filter(|v| number[v.index()] == u32::MAX) {
+            number[v.index()] = i as u32;
+        }
+    }
+    for v in fine.mesh.vertices().filter(|v| number[v.index()] == u32::MAX).collect::<Vec<_>>() {
+        number[v.index()] = positions.len() as u32;
+        positions.push(fine.mesh.position(v));
+        vertex.push(Some(v));
+    }
+    // 2. Values.
+    let faces = fine.mesh.to_faces().iter().map(|f| f.map(|v| number[v as usize]).to_vec()).collect();
+    let distance = |v: &Option<VertexId>| v.map(|v| fine.distance[v]).filter(|d| d.is_finite());
+    let source = |v: &Option<VertexId>| v.and_then(|v| fine.source[v]).map_or(f64::NAN, f64::from);
+    let mut surface = SurfaceOut::new(positions, faces);
+    if format == Format::Obj {
+        let largest = result.report.largest_distance;
+        surface.vertex_colors = Some(vertex.iter().map(|v| color(distance(v), largest)).collect());
+    } else {
+        let distances = vertex.iter().map(|v| distance(v).unwrap_or(f64::NAN)).collect();
+        let sources = vertex.iter().map(source).collect();
+        surface.vertex_attributes = vec![("distance".into(), distances), ("source".into(), sources)];
     }
     stage_surface(files, path, &surface, &WriteOptions::default())?;
     Ok(())
@@ -85,7 +128,8 @@ pub fn stage_lines(files: &mut Batch, path: &Path, curves: &[Curve]) -> Result<(
             }
             let closed = curve.points.len() > 2 && curve.points.first() == curve.points.last();
             let distinct = curve.points.len() - usize::from(closed);
-            write!(out, "# {}\nl", curve.value)?;
+            // A path that begins on its source is a point.
+            write!(out, "# {}\n{}", curve.value, if curve.points.len() > 1 { "l" } else { "p" })?;
             (0..distinct).try_for_each(|k| write!(out, " {}", first + k))?;
             if closed {
                 write!(out, " {first}")?;

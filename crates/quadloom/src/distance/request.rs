@@ -109,7 +109,7 @@ pub struct DistanceRequest {
     pub isolines: Option<Lines>,
     /// Points from which the shortest paths are traced: vertices and points only.
     pub path_from: Vec<From>,
-    /// Whether what a picture shows besides (cut locus, sources as curves) is computed.
+    /// Whether what a picture shows besides (a fine mesh, cut locus, sources as curves) is computed.
     pub picture: bool,
 }
 

@@ -5,7 +5,7 @@
 //! box in units of half its diagonal, so that neither far origins nor odd scales cost digits.
 
 use super::histogram::Histogram;
-use super::scene::{QuadLayer, Scene, Segment, SurfaceLayer};
+use super::scene::{DistanceLayer, Polyline, QuadLayer, Scene, Segment, SurfaceLayer};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::DVec3;
@@ -60,6 +60,7 @@ struct PackedScene<'a> {
     unit: f64,
     input: Option<PackedFaces>,
     quads: Option<PackedFaces>,
+    distance: Option<PackedDistance>,
     singularities: PackedPoints,
     lines: PackedLines,
     statistics: &'a [(String, String)],
@@ -72,6 +73,21 @@ struct PackedFaces {
     faces: String,
     /// Empty or one value per face.
     quality: String,
+}
+
+/// Distances in units of the largest one, NaN where there is none.
+#[derive(Serialize)]
+struct PackedDistance {
+    values: String,
+    largest: f64,
+    /// Bands up to the largest distance.
+    bands: f64,
+    isolines: String,
+    paths: String,
+    sources: String,
+    cut_locus: String,
+    /// Sources that are points, three coordinates each.
+    source_points: String,
 }
 
 #[derive(Serialize)]
@@ -113,6 +129,7 @@ impl<'a> PackedScene<'a> {
             unit: place.unit,
             input: scene.input.as_ref().map(|s| place.surface(s)),
             quads: scene.quads.as_ref().map(|q| place.quads(q)),
+            distance: scene.distance.as_ref().map(|d| place.distance(d)),
             singularities: PackedPoints {
                 positions: place.points(singular().map(|s| s.position)),
                 valence: pack(singular().map(|s| s.valence.to_le_bytes())),
@@ -188,6 +205,23 @@ impl Placement {
             positions: self.points(layer.positions.iter().copied()),
             faces: pack(layer.triangles.iter().filter(whole).flatten().map(|v| v.to_le_bytes())),
             quality: String::new(),
+        }
+    }
+
+    fn distance(&self, layer: &DistanceLayer) -> PackedDistance {
+        let largest = layer.values.iter().copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
+        let share = |&d: &f64| if d.is_finite() && largest > 0.0 { (d / largest) as f32 } else { f32::NAN };
+        let lines = |lines: &[Polyline]| self.segments(lines.iter().flat_map(|l| l.segments()));
+        let alone = layer.sources.iter().filter(|s| s.points.len() == 1).map(|s| s.points[0]);
+        PackedDistance {
+            values: pack(layer.values.iter().map(share).map(f32::to_le_bytes)),
+            largest,
+            bands: if layer.band > 0.0 { largest / layer.band } else { 1.0 },
+            isolines: lines(&layer.isolines),
+            paths: lines(&layer.paths),
+            sources: lines(&layer.sources),
+            cut_locus: lines(&layer.cut_locus),
+            source_points: self.points(alone),
         }
     }
 

@@ -19,6 +19,8 @@ pub struct Scene {
     pub input: Option<SurfaceLayer>,
     /// The quads.
     pub quads: Option<QuadLayer>,
+    /// A distance on the input's vertices.
+    pub distance: Option<DistanceLayer>,
     /// Irregular vertices of the quads, or singular vertices of the field where there are no quads.
     pub singularities: Vec<Singularity>,
     /// Feature curves.
@@ -44,6 +46,23 @@ pub struct SurfaceLayer {
     pub positions: Vec<DVec3>,
     /// Corners of the triangles, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// Distances on the vertices of a surface, with what they were measured from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DistanceLayer {
+    /// One per vertex of the surface, file units; infinite where nothing is known.
+    pub values: Vec<f64>,
+    /// Width of a band of colour, file units.
+    pub band: f64,
+    /// Lines of equal distance.
+    pub isolines: Vec<Polyline>,
+    /// Shortest paths.
+    pub paths: Vec<Polyline>,
+    /// Points (of one point) and segments that distances are measured from.
+    pub sources: Vec<Polyline>,
+    /// Where shortest paths meet.
+    pub cut_locus: Vec<Polyline>,
 }
 
 /// A quad mesh with one quality per quad.

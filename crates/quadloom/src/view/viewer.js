@@ -27,18 +27,22 @@ function unpackFaces(part, degree) {
 }
 const input = unpackFaces(packed.input, 3);
 const quads = unpackFaces(packed.quads, 4);
+const distance = packed.distance && { ...packed.distance, values: floats(packed.distance.values), points: floats(packed.distance.source_points) };
 const singular = { positions: floats(packed.singularities.positions), valence: integers(packed.singularities.valence) };
 const lines = Object.fromEntries(Object.entries(packed.lines).map(([name, text]) => [name, floats(text)]));
+for (const name of ['isolines', 'paths', 'sources', 'cut_locus']) lines[name] = distance ? floats(distance[name]) : new Float32Array();
 const segmentCount = name => lines[name].length / 6;
 
 // ------------------------------------------------------------------------------------------------ colours
 
 const PALETTES = {
   usual: { valence3: '#d62839', valence5: '#1d5fd1', valenceOther: '#f0a202', features: '#e0620d', boundary: '#7c3aed',
-    seams: '#0d9488', field: '#334155', grid_u: '#d62839', grid_v: '#1d5fd1' },
+    seams: '#0d9488', field: '#334155', grid_u: '#d62839', grid_v: '#1d5fd1',
+    isolines: '#1f2933', sources: '#d1005c', paths: '#0b7a2b', cut_locus: '#0b1117' },
   // Okabe and Ito's colours: told apart with any kind of colour vision.
   safe: { valence3: '#e69f00', valence5: '#0072b2', valenceOther: '#cc79a7', features: '#d55e00', boundary: '#009e73',
-    seams: '#111827', field: '#334155', grid_u: '#e69f00', grid_v: '#0072b2' },
+    seams: '#111827', field: '#334155', grid_u: '#e69f00', grid_v: '#0072b2',
+    isolines: '#1f2933', sources: '#d55e00', paths: '#cc79a7', cut_locus: '#000000' },
 };
 const THEMES = {
   light: { paper: '#ffffff', quads: '#e9eef4', input: '#e6e3dc', back: '#c9b79c', ink: '#11151a', faint: '#7d838b' },
@@ -47,6 +51,11 @@ const THEMES = {
 // Scaled Jacobian to colour: inverted magenta, then dark red to blue; most quads are above 0.9, so is the detail.
 const QUALITY_STOPS = [[0, '#7f1d1d'], [0.4, '#c2410c'], [0.7, '#f59e0b'], [0.88, '#fde68a'], [0.96, '#e2efe9'], [1, '#9cc7de']];
 const INVERTED = '#c026d3';
+// Distance to colour, near to far: brightness falls all the way, so that it can be read in grey too.
+const DISTANCE_STOPS = {
+  usual: [[0, '#fff3c9'], [0.2, '#fdbb63'], [0.4, '#f07a5a'], [0.6, '#c04a86'], [0.8, '#6d3c9a'], [1, '#2a2a72']],
+  safe: [[0, '#fdea45'], [0.2, '#d0c05c'], [0.4, '#a59c74'], [0.6, '#7c7b78'], [0.8, '#4f5b6d'], [1, '#123570']],
+};
 
 const rgb = hex => [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16) / 255);
 function qualityColour(q) {
@@ -62,19 +71,26 @@ function qualityColour(q) {
 // side: which half of a comparison the layer belongs to; raise: how far lines are pulled towards the eye.
 const LAYERS = [
   { id: 'quads', name: 'Quads', key: '1', side: 'right', count: quads?.count ?? 0 },
-  { id: 'input', name: 'Input surface', key: '2', side: 'left', count: input?.count ?? 0 },
-  { id: 'triangles', name: 'Input triangles', key: '3', side: 'left', count: input?.count ?? 0 },
+  { id: 'input', name: distance ? 'Surface' : 'Input surface', key: '2', side: 'left', count: input?.count ?? 0 },
+  { id: 'triangles', name: distance ? 'Triangles' : 'Input triangles', key: '3', side: 'left', count: input?.count ?? 0 },
   { id: 'singularities', name: 'Irregular vertices', key: '4', side: quads ? 'right' : 'both', count: singular.valence.length },
   { id: 'features', name: 'Feature lines', key: '5', side: 'both', count: segmentCount('features'), width: 2.6, raise: 0.006 },
   { id: 'boundary', name: 'Boundary', key: '6', side: 'both', count: segmentCount('boundary'), width: 2.6, raise: 0.006 },
   { id: 'field', name: 'Cross field', key: '7', side: 'left', count: segmentCount('field') / 2, width: 1.3, raise: 0.005 },
   { id: 'seams', name: 'Seams', key: '8', side: 'left', count: segmentCount('seams'), width: 2.4, raise: 0.0055 },
   { id: 'grid', name: 'Map, integer lines', key: '9', side: 'left', count: segmentCount('grid_u') + segmentCount('grid_v'), width: 1.5, raise: 0.004 },
+  { id: 'distance', name: 'Distance', key: '1', side: 'both', count: distance ? input?.count ?? 0 : 0 },
+  { id: 'isolines', name: 'Isolines', key: '4', side: 'both', count: segmentCount('isolines'), width: 1.2, raise: 0.003 },
+  { id: 'sources', name: 'Sources', key: '7', side: 'both', count: segmentCount('sources') + (distance?.points.length ?? 0) / 3, width: 3.4, raise: 0.006 },
+  { id: 'paths', name: 'Shortest paths', key: '8', side: 'both', count: segmentCount('paths'), width: 3, raise: 0.0065 },
+  { id: 'cut_locus', name: 'Cut locus', key: '9', side: 'both', count: segmentCount('cut_locus'), width: 1.6, raise: 0.0045 },
   { id: 'quality', name: 'Quality colours', key: '0', side: 'right', count: quads?.quality.length ?? 0 },
 ].filter(layer => layer.count > 0);
 const layerOf = Object.fromEntries(LAYERS.map(layer => [layer.id, layer]));
 
 const PRESETS = [
+  { id: 'distance', name: 'Distance', layers: ['input', 'distance', 'isolines', 'sources', 'paths'], needs: ['distance'] },
+  { id: 'ridges', name: 'Cut locus', layers: ['input', 'distance', 'sources', 'cut_locus'], needs: ['distance', 'cut_locus'] },
   { id: 'result', name: 'Result', layers: ['quads', 'singularities', 'features', 'boundary'], needs: ['quads'] },
   { id: 'quality', name: 'Quality', layers: ['quads', 'quality', 'singularities'], needs: ['quality'] },
   { id: 'map', name: 'Map', layers: ['input', 'grid', 'seams', 'features', 'boundary', 'singularities'], needs: ['input', 'grid'] },
@@ -266,8 +282,9 @@ function cornerNormals(mesh) {
 const QUAD_CORNERS = [[0, [0, 1, 1]], [1, [0, 0, 1]], [2, [1, 0, 1]], [2, [0, 1, 1]], [3, [0, 0, 1]], [0, [1, 0, 1]]];
 const TRIANGLE_CORNERS = [[0, [0, 1, 0]], [1, [0, 0, 1]], [2, [1, 0, 0]]];
 
-const FLOATS_PER_CORNER = 10;   // position 3, normal 3, heights 3, quality 1
+const FLOATS_PER_CORNER = 11;   // position 3, normal 3, heights 3, quality 1, distance 1
 function surfaceBuffer(mesh) {
+  const values = mesh === input && distance ? distance.values : null;
   const { positions: p, faces, degree, count, quality } = mesh, normal = cornerNormals(mesh);
   const corners = degree === 4 ? QUAD_CORNERS : TRIANGLE_CORNERS;
   const data = new Float32Array(count * corners.length * FLOATS_PER_CORNER);
@@ -280,6 +297,8 @@ function surfaceBuffer(mesh) {
       data[at++] = normal[n]; data[at++] = normal[n + 1]; data[at++] = normal[n + 2];
       data[at++] = heights[0]; data[at++] = heights[1]; data[at++] = heights[2];
       data[at++] = shown;
+      const value = values ? values[faces[corner]] : NaN;
+      data[at++] = Number.isNaN(value) ? -1 : value;
     }
   }
   return data;
@@ -311,12 +330,14 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec3 heights;
 layout(location = 3) in float quality;
+layout(location = 4) in float value;
 uniform mat4 view, projection;
 out vec3 vNormal, vHeights, vEye;
+out float vValue;
 flat out float vQuality;
 void main() {
   vec4 eye = view * vec4(position, 1.0);
-  vEye = eye.xyz; vNormal = mat3(view) * normal; vHeights = heights; vQuality = quality;
+  vEye = eye.xyz; vNormal = mat3(view) * normal; vHeights = heights; vQuality = quality; vValue = value;
   gl_Position = projection * eye;
 }`;
 
@@ -327,19 +348,26 @@ void keepSide() { if ((gl_FragCoord.x - wipe.x) * wipe.y > 0.0) discard; }`;
 const SURFACE_FRAGMENT = `#version 300 es
 precision highp float;
 in vec3 vNormal, vHeights, vEye;
+in float vValue;
 flat in float vQuality;
 uniform vec3 base, back, ink;
-uniform float lineWidth, lineStrength, showQuality, alpha;
+uniform float lineWidth, lineStrength, showQuality, showDistance, bands, alpha;
 uniform vec3 stops[6];
 uniform float places[6];
 uniform vec3 inverted;
 out vec4 colour;
 ${WIPE}
-vec3 qualityColour(float q) {
-  if (q <= 0.0) return inverted;
+vec3 ramp(float q) {
   vec3 c = stops[0];
   for (int k = 1; k < 6; k++) c = mix(c, stops[k], clamp((q - places[k - 1]) / (places[k] - places[k - 1]), 0.0, 1.0));
   return c;
+}
+vec3 qualityColour(float q) { return q <= 0.0 ? inverted : ramp(q); }
+// Every second band is darker; where bands are narrower than a few pixels they fade into their mean.
+vec3 distanceColour(float d) {
+  float x = d * bands, pixel = max(fwidth(x), 1e-6), phase = abs(fract(0.5 * x) - 0.5) * 2.0;   // 1 and 0 amid bands
+  float dark = smoothstep(0.5 - 0.6 * pixel, 0.5 + 0.6 * pixel, phase);
+  return ramp(d) * (1.0 - 0.17 * mix(dark, 0.5, smoothstep(0.25, 0.7, pixel)));
 }
 vec3 shade(vec3 albedo, vec3 n, vec3 toEye) {
   float key = max(0.0, 0.5 + 0.5 * dot(n, normalize(vec3(-0.45, 0.65, 0.62))));
@@ -368,7 +396,8 @@ void main() {
   vec3 n = normalize(vNormal), toEye = normalize(-vEye);
   vec3 albedo = base;
   if (showQuality > 0.5 && vQuality > -1.5) albedo = qualityColour(vQuality);
-  if (!gl_FrontFacing) { n = -n; albedo = back; }
+  if (showDistance > 0.5 && vValue >= -1e-4) albedo = distanceColour(vValue);
+  if (!gl_FrontFacing) { n = -n; if (showDistance < 0.5) albedo = back; }
   colour = vec4(mix(shade(albedo, n, toEye), ink, line * lineStrength), alpha);
 }`;
 
@@ -500,7 +529,7 @@ function bufferOf(data) {
 function makeSurface(mesh) {
   const data = surfaceBuffer(mesh), buffer = bufferOf(data), stride = 4 * FLOATS_PER_CORNER;
   const part = (at, size, offset) => ({ buffer, at, size, stride, offset: 4 * offset });
-  return { array: vertexArray([part(0, 3, 0), part(1, 3, 3), part(2, 3, 6), part(3, 1, 9)]), count: data.length / FLOATS_PER_CORNER };
+  return { array: vertexArray([part(0, 3, 0), part(1, 3, 3), part(2, 3, 6), part(3, 1, 9), part(4, 1, 10)]), count: data.length / FLOATS_PER_CORNER };
 }
 function makeLines(data) {
   const buffer = bufferOf(data), part = (at, offset) => ({ buffer, at, size: 3, stride: 24, offset, perInstance: true });
@@ -511,6 +540,14 @@ function makeBalls() {
   const corner = { buffer: gpu.square, at: 0, size: 2, stride: 8, offset: 0 };
   const ball = { buffer: bufferOf(singularityBuffer()), at: 1, size: 4, stride: 16, offset: 0, perInstance: true };
   return { array: vertexArray([corner, ball]), count: singular.valence.length, radius: singularityRadius() };
+}
+
+function makeSourceBalls() {
+  const { points } = distance, data = new Float32Array(points.length / 3 * 4);
+  for (let i = 0; i < points.length / 3; i++) data.set(points.subarray(3 * i, 3 * i + 3), 4 * i);
+  const corner = { buffer: gpu.square, at: 0, size: 2, stride: 8, offset: 0 };
+  const ball = { buffer: bufferOf(data), at: 1, size: 4, stride: 16, offset: 0, perInstance: true };
+  return { array: vertexArray([corner, ball]), count: points.length / 3, radius: 0.012 };
 }
 
 // Programs now, buffers when first shown.
@@ -535,7 +572,7 @@ function useProgram({ linked, at }, view) {
 }
 
 // style: colour, edge lines, and whether it is a veil over the quads.
-function drawSurface(layer, mesh, view, ratio, { base, back, ink, strength, quality, alpha }) {
+function drawSurface(layer, mesh, view, ratio, { base, back, ink, strength, quality, measured, alpha }) {
   const { array, count } = made(layer.id, () => makeSurface(mesh)), at = useProgram(gpu.surface, view);
   gl.uniform2fv(at.wipe, wipeOf(layer, view, ratio));
   gl.uniform3fv(at.base, rgb(base));
@@ -545,8 +582,11 @@ function drawSurface(layer, mesh, view, ratio, { base, back, ink, strength, qual
   gl.uniform1f(at.lineStrength, strength);
   gl.uniform1f(at.showQuality, quality ? 1 : 0);
   gl.uniform1f(at.alpha, alpha);
-  gl.uniform3fv(at.stops, QUALITY_STOPS.flatMap(([, hex]) => rgb(hex)));
-  gl.uniform1fv(at.places, QUALITY_STOPS.map(([place]) => place));
+  gl.uniform1f(at.showDistance, measured ? 1 : 0);
+  gl.uniform1f(at.bands, distance?.bands ?? 1);
+  const stops = measured ? DISTANCE_STOPS[state.palette] : QUALITY_STOPS;
+  gl.uniform3fv(at.stops, stops.flatMap(([, hex]) => rgb(hex)));
+  gl.uniform1fv(at.places, stops.map(([place]) => place));
   gl.uniform3fv(at.inverted, rgb(INVERTED));
   gl.bindVertexArray(array);
   gl.drawArrays(gl.TRIANGLES, 0, count);
@@ -566,8 +606,8 @@ function drawLines(layer, name, view, ratio, colour) {
   gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
 }
 
-function drawBalls(layer, view, ratio, colours) {
-  const { array, count, radius } = made('balls', makeBalls), at = useProgram(gpu.ball, view);
+function drawBalls(layer, view, ratio, colours, { array, count, radius } = made('balls', makeBalls)) {
+  const at = useProgram(gpu.ball, view);
   gl.uniform2fv(at.wipe, wipeOf(layer, view, ratio));
   gl.uniform1f(at.radius, radius);
   gl.uniform1f(at.pixel, 1 / view.focal);
@@ -596,20 +636,21 @@ function draw(fine) {
   gl.enable(gl.DEPTH_TEST);
   gl.disable(gl.BLEND);
   // 1. Surfaces; where both are shown in the same place the input becomes a veil.
-  const inputShown = shown('input') || shown('triangles'), veil = shown('quads') && inputShown && state.compare === null;
+  const inputShown = shown('input') || shown('triangles') || shown('distance'), veil = shown('quads') && inputShown && state.compare === null;
   const solid = { back: theme.back, ink: theme.ink, alpha: 1, quality: false };
   if (shown('quads')) drawSurface(layerOf.quads, quads, view, ratio, { ...solid, base: theme.quads, strength: 0.92, quality: shown('quality') });
   if (inputShown) {
     const strength = shown('triangles') ? 0.55 : 0;
     if (veil) { gl.enable(gl.BLEND); gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA); gl.enable(gl.CULL_FACE); gl.depthMask(false); }
-    drawSurface(layerOf.input, input, view, ratio, { ...solid, base: theme.input, ink: theme.faint, strength, alpha: veil ? 0.45 : 1 });
+    drawSurface(layerOf.input, input, view, ratio, { ...solid, base: theme.input, ink: theme.faint, strength, measured: shown('distance'), alpha: veil ? 0.45 : 1 });
     gl.disable(gl.CULL_FACE); gl.depthMask(true);
   }
   // 2. Lines and balls over them.
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   if (shown('grid')) { drawLines(layerOf.grid, 'grid_u', view, ratio, palette.grid_u); drawLines(layerOf.grid, 'grid_v', view, ratio, palette.grid_v); }
-  for (const id of ['field', 'seams', 'boundary', 'features']) if (shown(id)) drawLines(layerOf[id], id, view, ratio, palette[id]);
+  for (const id of ['isolines', 'field', 'seams', 'cut_locus', 'boundary', 'features', 'sources', 'paths']) if (shown(id)) drawLines(layerOf[id], id, view, ratio, palette[id]);
+  if (shown('sources') && distance.points.length) drawBalls(layerOf.sources, view, ratio, [palette.sources, palette.sources, palette.sources], made('sourceBalls', makeSourceBalls));
   if (shown('singularities')) drawBalls(layerOf.singularities, view, ratio, [palette.valence3, palette.valence5, palette.valenceOther]);
 }
 
@@ -646,7 +687,7 @@ function hit(mesh, { origin, direction }) {
       const n = cross(direction, g), det = dot(e, n);
       if (Math.abs(det) < 1e-20) continue;
       const s = sub(origin, a), u = dot(s, n) / det, m = cross(s, e), v = dot(direction, m) / det, t = dot(g, m) / det;
-      if (u >= 0 && v >= 0 && u + v <= 1 && t > 0 && (!best || t < best.t)) best = { t, face };
+      if (u >= 0 && v >= 0 && u + v <= 1 && t > 0 && (!best || t < best.t)) best = { t, face, corners: [i, j, k], weights: [1 - u - v, u, v] };
     }
   }
   return best;
@@ -662,7 +703,9 @@ function focusAt(x, y) {
   flyTo({ target, distance: Math.min(camera.distance, Math.max(0.35 * camera.distance, 0.4)) });
   const place = target.map((c, k) => shortNumber(packed.centre[k] + c * packed.unit)).join(', ');
   const quality = mesh.quality.length ? `, scaled Jacobian ${shortNumber(mesh.quality[found.face])}` : '';
-  $('status').textContent = `${mesh === quads ? 'quad' : 'triangle'} ${found.face} at (${place})${quality}`;
+  const d = mesh === input && distance ? found.weights.reduce((s, w, i) => s + w * distance.values[mesh.faces[mesh.degree * found.face + found.corners[i]]], 0) : null;
+  const measured = d === null ? '' : Number.isNaN(d) ? ', no source reaches it' : `, distance ${shortNumber(d * distance.largest)}`;
+  $('status').textContent = `${mesh === quads ? 'quad' : 'triangle'} ${found.face} at (${place})${quality}${measured}`;
 }
 
 // ------------------------------------------------------------------------------------------------ panel
@@ -690,7 +733,7 @@ function buildLayers() {
     box.addEventListener('change', () => setLayer(layer.id, box.checked));
     const swatch = element('span', { class: layer.width ? 'swatch line' : 'swatch' });
     const label = element('label', {}, box, swatch, element('span', { class: 'name', text: layer.name }),
-      element('span', { class: 'count', text: layer.id === 'quality' || layer.id === 'triangles' || layer.width ? '' : grouped(layer.count) }),
+      element('span', { class: 'count', text: ['quality', 'triangles', 'distance'].includes(layer.id) || layer.width ? '' : grouped(layer.count) }),
       element('kbd', { text: layer.key }));
     Object.assign(layer, { box, swatch });
     $('layers').append(element('li', {}, label));
@@ -708,6 +751,7 @@ function swatchColour(id) {
   if (id === 'grid') return `linear-gradient(90deg, ${palette.grid_u} 50%, ${palette.grid_v} 50%)`;
   if (id === 'singularities') return `linear-gradient(135deg, ${palette.valence3} 50%, ${palette.valence5} 50%)`;
   if (id === 'quality') return 'linear-gradient(135deg, #9cc7de 30%, #fde68a 55%, #c2410c 85%)';
+  if (id === 'distance') return `linear-gradient(90deg, ${DISTANCE_STOPS[state.palette].map(([, hex]) => hex).join(', ')})`;
   if (id === 'triangles') return `repeating-linear-gradient(45deg, ${theme.input} 0 3px, ${theme.faint} 3px 4px)`;
   if (id === 'quads') return `linear-gradient(${theme.ink} 0 0) center / 1px 100% no-repeat, linear-gradient(${theme.ink} 0 0) center / 100% 1px no-repeat, ${theme.quads}`;
   return palette[id] ?? theme[id];
@@ -730,6 +774,13 @@ function buildQualityLegend() {
   $('quality-bar').style.background = `linear-gradient(90deg, ${css})`;
   for (const at of [0, 0.4, 0.7, 0.88, 1]) {
     $('quality-ticks').append(element('span', { text: at === 0 ? '≤ 0 inverted' : String(at), style: `left: ${100 * at}%` }));
+  }
+}
+
+function buildDistanceLegend() {
+  if (!distance) return;
+  for (const at of [0, 0.25, 0.5, 0.75, 1]) {
+    $('distance-ticks').append(element('span', { text: shortNumber(at * distance.largest), style: `left: ${100 * at}%` }));
   }
 }
 
@@ -763,11 +814,12 @@ function buildHistogram({ title, unit, low, high, counts, mark, summary }) {
 }
 
 function buildPanel() {
-  const parts = [quads && `${grouped(quads.count)} quads`, input && `${grouped(input.count)} input triangles`];
+  const parts = [quads && `${grouped(quads.count)} quads`, input && `${grouped(input.count)} ${distance ? '' : 'input '}triangles`];
   $('subtitle').textContent = parts.filter(Boolean).join(' · ');
   buildLayers();
   buildValenceLegend();
   buildQualityLegend();
+  buildDistanceLegend();
   $('histograms').append(...packed.histograms.map(buildHistogram));
   const rows = packed.statistics.map(([name, value]) => element('tr', {}, element('td', { text: name }), element('td', { text: value })));
   $('statistics').hidden = rows.length === 0;
@@ -789,6 +841,8 @@ function refresh() {
   for (const preset of PRESETS) preset.button?.setAttribute('aria-pressed', String(state.compare === null && same(preset)));
   const kinds = [palette.valence3, palette.valence5, palette.valenceOther];
   for (const dot of $('valence-legend').querySelectorAll('i')) dot.style.background = kinds[dot.dataset.kind];
+  $('distance').hidden = !state.shown.has('distance');
+  $('distance-bar').style.background = `linear-gradient(90deg, ${DISTANCE_STOPS[state.palette].map(([at, hex]) => `${hex} ${100 * at}%`).join(', ')})`;
   $('quality').hidden = !state.shown.has('quality');
   for (const [id, on] of [['compare', state.compare !== null], ['palette', state.palette === 'safe'], ['theme', state.theme === 'dark'], ['panel', root.dataset.panel !== 'off']]) {
     $(`tool-${id}`).setAttribute('aria-pressed', String(on));
@@ -806,6 +860,8 @@ function setLayer(id, on = !state.shown.has(id)) {
   if (!layerOf[id]) return;
   if (on) state.shown.add(id); else state.shown.delete(id);
   if (on && id === 'quality') state.shown.add('quads');
+  if (on && id === 'distance') state.shown.add('input');
+  if (!on && id === 'input') state.shown.delete('distance');
   refresh();
 }
 function setPreset(id) {
