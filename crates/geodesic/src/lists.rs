@@ -53,6 +53,11 @@ impl EdgeLists {
         }
     }
 
+    /// Forgets all but the first windows of an edge.
+    pub fn truncate(&mut self, e: EdgeId, len: usize) {
+        self.span[e].len = len as u32;
+    }
+
     /// Replaces the windows of an edge.
     pub fn set(&mut self, e: EdgeId, windows: &[Window]) {
         let old = self.span[e];

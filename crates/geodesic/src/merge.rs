@@ -17,20 +17,24 @@ const SHARE: f64 = 1.0 - 1e-5;
 /// Largest distance of a merged source relative to the distance it stands for: beyond it fronts are straight.
 const FARTHEST_REL: f64 = 1e3;
 
-/// Merges neighbours in a list where that is allowed; returns how often.
+/// Merges neighbours in a list where that is allowed; returns how many windows are left, at its start.
 ///
 /// # Input      epsilon: 0 merges only what is equal up to rounding; same_source: whether two roots have one label
 /// # Cost       linear
 pub(crate) fn merge_pending(
-    list: &mut Vec<Window>,
+    list: &mut [Window],
     length: f64,
     epsilon: f64,
     same_source: impl Fn(u32, u32) -> bool,
-) -> u64 {
-    let (mut last, before) = (0, list.len());
+) -> usize {
+    let mut last = 0;
+    if list.is_empty() {
+        return 0;
+    }
     for next in 1..list.len() {
         let (l, r) = (list[last], list[next]);
-        let fits = l.is_pending()
+        let fits = (epsilon > 0.0 || l.root() == r.root())
+            && l.is_pending()
             && r.is_pending()
             && l.to_canonical() == r.to_canonical()
             && l.is_linear() == r.is_linear()
@@ -40,12 +44,13 @@ pub(crate) fn merge_pending(
             Some(window) => list[last] = window,
             None => {
                 last += 1;
-                list[last] = r;
+                if last < next {
+                    list[last] = r;
+                }
             }
         }
     }
-    list.truncate(last + 1);
-    (before - list.len()) as u64
+    last + 1
 }
 
 /// Two neighbours of one kind as one window, if that is within ε.

@@ -140,21 +140,39 @@ pub(crate) fn apex(base: f64, right: f64, left: f64) -> Apex {
 
 /// Interior angle at the origin of `h` in its face and a bound on its rounding error, radians.
 fn corner_angle(mesh: &TriConnectivity, length: &EdgeMap<f64>, h: HalfEdgeId) -> (f64, f64) {
+    let (apex, error) = corner(mesh, length, h);
+    (apex.y.atan2(apex.x), error)
+}
+
+/// The face of `h` over it, and a bound on the rounding error of the angle at its origin, radians.
+fn corner(mesh: &TriConnectivity, length: &EdgeMap<f64>, h: HalfEdgeId) -> (Apex, f64) {
     let [base, right, left] = [h, mesh.next(h), mesh.prev(h)].map(|g| length[mesh.edge(g)]);
     let apex = apex(base, right, left);
     let twice_area = apex.base * apex.y;
     let squares = base * base + right * right + left * left;
-    (apex.y.atan2(apex.x), 4.0 * f64::EPSILON * squares / twice_area)
+    (apex, 4.0 * f64::EPSILON * squares / twice_area)
 }
 
 /// Whether shortest paths bend at a vertex. In doubt they do: a pseudo-source too many costs time and is never wrong.
 fn turn_of(mesh: &TriConnectivity, length: &EdgeMap<f64>, v: VertexId) -> Turn {
-    let (mut total, mut doubt) = (0.0, 0.0);
+    // The product of the corners' directions has the sum of their angles, up to whole turns, which are counted.
+    let (mut re, mut im, mut half_turns, mut doubt) = (1.0f64, 0.0f64, 0, 0.0);
     for h in mesh.outgoing(v) {
-        let (angle, error) = corner_angle(mesh, length, h);
-        total += angle;
+        let (apex, error) = corner(mesh, length, h);
+        let size = apex.x.hypot(apex.y);
+        let (x, y) = if size > 0.0 { (apex.x / size, apex.y / size) } else { (1.0, 0.0) };
+        let before = im;
+        (re, im) = (re * x - im * y, re * y + im * x);
+        // A corner's angle is at most half a turn, so that each half turn is seen.
+        if (before >= 0.0) != (im >= 0.0) {
+            half_turns += 1;
+        }
         doubt += error;
     }
+    // Upper half plane: 0..π beyond whole turns; lower one: π..2π.
+    let angle = im.atan2(re);
+    let rest = if angle < 0.0 { angle + PI } else { angle };
+    let total = PI * f64::from(half_turns) + rest;
     let excess = total - if mesh.is_boundary_vertex(v) { PI } else { TAU };
     // An area of zero makes the doubt infinite or NaN.
     if !(doubt < FLAT) {

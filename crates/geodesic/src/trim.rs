@@ -42,44 +42,44 @@ pub(crate) fn compare(new: &Window, old: &Window, lo: f64, hi: f64, narrow: f64)
     let x = new.parallel_at(old);
     let middle = (x > lo + narrow && x < hi - narrow).then(|| (x, difference(x)));
     let s_mid = middle.map_or(0, |(_, f)| sign(f));
-    let cross = |a: f64, b: f64| crossing(new, old, a, b);
+    let cross = |a: (f64, f64), b: (f64, f64)| crossing(new, old, a, b);
+    let (l, m, h) = ((lo, at_lo.0), middle.map_or((x, 0.0), |(x, f)| (x, f.0)), (hi, at_hi.0));
     match (s_lo, s_mid, s_hi) {
         (0, 0, 0) => Outcome::Equal((x > lo && x < hi).then_some(x)),
         (0 | 1, 0 | 1, 0 | 1) => Outcome::Old,
         (-1 | 0, -1 | 0, -1 | 0) => Outcome::New,
-        (-1, 1, 1..) | (-1, 1, 0) if s_hi >= 0 => Outcome::NewThenOld(cross(lo, x)),
-        (0.., 1, -1) => Outcome::OldThenNew(cross(x, hi)),
-        (-1, 1, -1) => Outcome::OldInside(cross(lo, x), cross(x, hi)),
-        (-1, -1, 1) => Outcome::NewThenOld(cross(x, hi)),
-        (1, -1, -1) => Outcome::OldThenNew(cross(lo, x)),
-        (1, -1, 1) => Outcome::NewInside(cross(lo, x), cross(x, hi)),
-        (1, -1, 0) => Outcome::OldThenNew(cross(lo, x)),
-        (0, -1, 1) => Outcome::NewThenOld(cross(x, hi)),
-        (-1, 0, 1) => Outcome::NewThenOld(cross(lo, hi)),
-        (1, 0, -1) => Outcome::OldThenNew(cross(lo, hi)),
+        (-1, 1, 1..) | (-1, 1, 0) if s_hi >= 0 => Outcome::NewThenOld(cross(l, m)),
+        (0.., 1, -1) => Outcome::OldThenNew(cross(m, h)),
+        (-1, 1, -1) => Outcome::OldInside(cross(l, m), cross(m, h)),
+        (-1, -1, 1) => Outcome::NewThenOld(cross(m, h)),
+        (1, -1, -1) => Outcome::OldThenNew(cross(l, m)),
+        (1, -1, 1) => Outcome::NewInside(cross(l, m), cross(m, h)),
+        (1, -1, 0) => Outcome::OldThenNew(cross(l, m)),
+        (0, -1, 1) => Outcome::NewThenOld(cross(m, h)),
+        (-1, 0, 1) => Outcome::NewThenOld(cross(l, h)),
+        (1, 0, -1) => Outcome::OldThenNew(cross(l, h)),
         // All signs are in -1..=1 and were met above.
         _ => Outcome::Old,
     }
 }
 
-/// Steps of Newton's method, guarded by bisection; six are usual.
+/// Steps of Newton's method, guarded by bisection; four are usual.
 const MAX_STEPS: usize = 80;
+/// A step shorter than this, relative to the bracket, is the last: the next one would be as short as its square.
+const LAST_STEP: f64 = 1e-9;
 
-/// The place in `lo..=hi` where the two distances are equal; their difference changes its sign once in it.
-fn crossing(new: &Window, old: &Window, mut lo: f64, mut hi: f64) -> f64 {
-    let difference = |x: f64| {
-        let ((n, dn), (o, d_o)) = (new.at_with_slope(x), old.at_with_slope(x));
-        (n - o, dn - d_o)
-    };
-    let rising = difference(hi).0 > difference(lo).0;
-    let (f_lo, f_hi) = (difference(lo).0, difference(hi).0);
+/// The place between two places with known differences where the two distances are equal; the difference changes its
+/// sign once between them.
+fn crossing(new: &Window, old: &Window, (mut lo, f_lo): (f64, f64), (mut hi, f_hi): (f64, f64)) -> f64 {
+    let rising = f_hi > f_lo;
     let mut x = (lo * f_hi - hi * f_lo) / (f_hi - f_lo);
     let width = hi - lo;
     for _ in 0..MAX_STEPS {
         if !(x > lo && x < hi) {
             x = 0.5 * (lo + hi);
         }
-        let (f, slope) = difference(x);
+        let ((n, dn), (o, d_o)) = (new.at_with_slope(x), old.at_with_slope(x));
+        let (f, slope) = (n - o, dn - d_o);
         if f == 0.0 {
             return x;
         }
@@ -89,7 +89,7 @@ fn crossing(new: &Window, old: &Window, mut lo: f64, mut hi: f64) -> f64 {
             lo = x
         }
         let next = x - f / slope;
-        if (next - x).abs() <= 1e-15 * width || hi - lo <= 1e-15 * width {
+        if (next - x).abs() <= LAST_STEP * width || hi - lo <= 1e-15 * width {
             return next.clamp(lo, hi);
         }
         x = next;

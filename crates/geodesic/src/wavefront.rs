@@ -18,7 +18,6 @@ use crate::sources::{Cell, Root, Source, Sources, cell_of, place};
 use crate::surface::{Apex, IntrinsicSurface, Turn};
 use crate::window::{OVERLAP_REL, TIE_REL, Window};
 use quadloom_mesh::{EdgeId, EdgeMap, FaceId, HalfEdgeId, Progress, VertexId, VertexMap};
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
@@ -66,23 +65,24 @@ pub struct Counts {
     pub joints: u64,
 }
 
-/// An edge or a vertex in the queue; nearest first, then by id.
-#[derive(Clone, Copy, PartialEq)]
-struct Event {
-    key: f64,
-    /// Edges first, vertices after them.
-    id: u32,
-}
+/// An edge or a vertex in a queue; nearest first, then by id.
+///
+/// One number, so that comparing takes one step: the bits of a key that is not negative, which rise with it, and the id
+/// (edges first, vertices after them), all reversed for a heap with the greatest on top.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Event(u128);
 
-impl Eq for Event {}
-impl Ord for Event {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.key.total_cmp(&self.key).then(other.id.cmp(&self.id))
+impl Event {
+    fn new(key: f64, id: u32) -> Self {
+        Self(!(u128::from(key.to_bits()) << 32 | u128::from(id)))
     }
-}
-impl PartialOrd for Event {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
+
+    fn key(self) -> f64 {
+        f64::from_bits((!self.0 >> 32) as u64)
+    }
+
+    fn id(self) -> u32 {
+        !self.0 as u32
     }
 }
 
@@ -127,6 +127,8 @@ struct Scratch {
     /// The list of a side on which they arrive.
     list: Vec<Window>,
     pieces: Pieces,
+    /// Angles of a vertex's corners.
+    corners: Vec<f64>,
 }
 
 /// In `queued`: the windows of this edge are forgotten and no new one is let in.
@@ -192,20 +194,21 @@ impl<'a> Wavefront<'a> {
         let limit = options.limit * self.surface.scale();
         let edges = self.surface.connectivity().edge_count() as u32;
         let mut until_check = CHECK_EVERY;
-        while let Some(event) = self.queue.pop().filter(|event| event.key <= limit) {
+        while let Some(event) = self.queue.pop().filter(|event| event.key() <= limit) {
             until_check -= 1;
             if until_check == 0 {
                 progress.check()?;
                 until_check = CHECK_EVERY;
             }
-            if enough(self, event.key) {
+            let (key, id) = (event.key(), event.id());
+            if enough(self, key) {
                 break;
             }
-            self.close(event.key);
-            if event.id < edges {
-                self.advance_edge(EdgeId(event.id), event.key);
+            self.close(key);
+            if id < edges {
+                self.advance_edge(EdgeId(id), key);
             } else {
-                self.advance_vertex(VertexId(event.id - edges), event.key);
+                self.advance_vertex(VertexId(id - edges), key);
             }
         }
         Ok(())
@@ -359,9 +362,12 @@ impl<'a> Wavefront<'a> {
     }
 
     /// The directions at a vertex in which paths can leave it, as an interval of angles counted from its first outgoing
-    /// half-edge: those at least half a turn from where the path arrives. `None` if that is not known.
-    fn shadow(&self, v: VertexId) -> Option<Sector> {
+    /// half-edge: those at least half a turn from where the path arrives. `None` if that is not known. Leaves the angles
+    /// of the vertex's corners in the scratch list.
+    fn shadow(&mut self, v: VertexId) -> Option<Sector> {
         let mesh = self.surface.connectivity();
+        let mut corners = std::mem::take(&mut self.scratch.corners);
+        corners.clear();
         let (mut arrives, mut best) = (None, f64::INFINITY);
         let (mut angle, mut doubt) = (0.0, 1e-9);
         for h in mesh.outgoing(v) {
@@ -369,26 +375,29 @@ impl<'a> Wavefront<'a> {
                 if let Some((difference, turn)) = self.arrival(v, spoke)
                     && difference < best
                 {
-                    (best, arrives) = (difference, Some(at + turn));
+                    (best, arrives) = (difference, Some((at, turn)));
                 }
             };
             consider(h, angle);
             let (corner, error) = self.surface.corner_angle(h);
+            corners.push(corner);
             angle += corner;
             doubt += error;
             if mesh.twin(mesh.prev(h)).is_none() {
                 consider(mesh.prev(h), angle);
             }
         }
-        let arrives = arrives.filter(|_| best <= 16.0 * TIE_REL * self.distance[v] && doubt < 0.1)?;
+        self.scratch.corners = corners;
+        let is_known = best <= 16.0 * TIE_REL * self.distance[v] && doubt < 0.1;
+        let arrives = arrives.filter(|_| is_known).map(|(at, [x, y])| at + y.atan2(x))?;
         let total = angle;
         let closed = !mesh.is_boundary_vertex(v);
         Some(Sector { from: arrives + PI - doubt, to: arrives + total - PI + doubt, total, closed })
     }
 
-    /// How far the end of a spoke's list is from the vertex's distance, and the angle from the spoke to the arriving
-    /// path, counter-clockwise.
-    fn arrival(&self, v: VertexId, spoke: HalfEdgeId) -> Option<(f64, f64)> {
+    /// How far the end of a spoke's list is from the vertex's distance, and the direction of the arriving path's source,
+    /// with the spoke as x axis and y to its left.
+    fn arrival(&self, v: VertexId, spoke: HalfEdgeId) -> Option<(f64, [f64; 2])> {
         let mesh = self.surface.connectivity();
         let e = mesh.edge(spoke);
         let at_start = mesh.ends(e)[0] == v;
@@ -401,11 +410,11 @@ impl<'a> Wavefront<'a> {
         }
         let difference = (window.at(0.0) - self.distance[v]).abs();
         let ([sx, sy], _) = window.source();
-        // The source's direction; a front comes from against its slope.
-        let turn = if window.is_linear() { sy.atan2(-sx) } else { sy.atan2(sx) };
+        // A front comes from against its slope.
+        let along = if window.is_linear() { -sx } else { sx };
         // Seen along the spoke away from v, a window that moves into the face on the left has its source on the right.
         let leaves_left = window.to_canonical() == at_start;
-        Some((difference, if leaves_left { -turn } else { turn }))
+        Some((difference, [along, if leaves_left { -sy } else { sy }]))
     }
 
     /// Windows from a vertex on the edges around it and on those opposite, within a sector.
@@ -413,8 +422,8 @@ impl<'a> Wavefront<'a> {
         let mesh = self.surface.connectivity();
         let (start, error) = (self.distance[v], self.error[v]);
         let mut angle = 0.0;
-        for h in mesh.outgoing(v) {
-            let corner = if sector.is_some() { self.surface.corner_angle(h).0 } else { 0.0 };
+        for (k, h) in mesh.outgoing(v).enumerate() {
+            let corner = if sector.is_some() { self.scratch.corners[k] } else { 0.0 };
             let within = sector.map_or(Some([0.0, corner]), |s| s.within(angle, angle + corner));
             let whole = sector.is_none();
             angle += corner;
@@ -426,17 +435,14 @@ impl<'a> Wavefront<'a> {
             let apex = self.surface.apex(h);
             let frame = Frame::new([apex.base, 0.0], [apex.x, apex.y], apex.right);
             let on_link = |beta: f64| {
-                let (ray, numerator) = ([beta.cos(), beta.sin()], apex.base * beta.sin());
-                let across = ray[0] * frame.direction[1] - ray[1] * frame.direction[0];
-                if across > 0.0 { (numerator / across).min(frame.length) } else { frame.length }
+                let (sin, cos) = beta.sin_cos();
+                let across = cos * frame.direction[1] - sin * frame.direction[0];
+                if across > 0.0 { (apex.base * sin / across).min(frame.length) } else { frame.length }
             };
             let slack = OVERLAP_REL * frame.length;
-            let interval = if whole {
-                [0.0, frame.length]
-            } else {
-                [(on_link(lo) - slack).max(0.0), (on_link(hi) + slack).min(frame.length)]
-            };
-            let window = Window::circular(interval, frame.to([0.0; 2]), start, v.0).with_error(error);
+            let from = if whole || lo <= 0.0 { 0.0 } else { (on_link(lo) - slack).max(0.0) };
+            let to = if whole || hi >= corner { frame.length } else { (on_link(hi) + slack).min(frame.length) };
+            let window = Window::circular([from, to], frame.to([0.0; 2]), start, v.0).with_error(error);
             self.enter(mesh.next(h), window, true);
         }
     }
@@ -492,21 +498,20 @@ impl<'a> Wavefront<'a> {
         backward.clear();
         (self.scratch.forward, self.scratch.backward) = (forward, backward);
         if self.keep == Keep::Vertices {
-            self.closing.push(Event { key: self.farthest(e), id: e.0 });
+            self.closing.push(Event::new(self.farthest(e), e.0));
         }
     }
 
     /// Merges pending windows of an edge.
     fn merge(&mut self, e: EdgeId) {
-        let list = &mut self.scratch.list;
-        list.clear();
-        list.extend_from_slice(self.lists.of(e));
-        let same = |a, b| a == b || label_of(&self.label, &self.sources, a) == label_of(&self.label, &self.sources, b);
-        let merged = merge::merge_pending(list, self.surface.length(e), self.epsilon, same);
-        if merged > 0 {
-            self.lists.set(e, list);
-            self.counts.merged += merged;
+        let before = self.lists.of(e).len();
+        if before < 2 {
+            return;
         }
+        let same = |a, b| a == b || label_of(&self.label, &self.sources, a) == label_of(&self.label, &self.sources, b);
+        let left = merge::merge_pending(self.lists.of_mut(e), self.surface.length(e), self.epsilon, same);
+        self.lists.truncate(e, left);
+        self.counts.merged += (before - left) as u64;
     }
 
     /// No place of an edge is farther than this: it can be reached from the ends.
@@ -518,8 +523,8 @@ impl<'a> Wavefront<'a> {
     /// Forgets the windows of edges that a wavefront at a distance has passed.
     fn close(&mut self, at: f64) {
         while let Some(event) = self.closing.pop() {
-            let e = EdgeId(event.id);
-            if event.key >= at {
+            let e = EdgeId(event.id());
+            if event.key() >= at {
                 self.closing.push(event);
                 return;
             }
@@ -604,13 +609,15 @@ impl<'a> Wavefront<'a> {
         }
         windows.clear();
         if key < f64::INFINITY {
+            // Rounding may put a front's beginning behind its source.
+            let key = if key > 0.0 { key } else { 0.0 };
             if self.lists.of(e).is_empty() {
                 self.touched_edges.push(e);
             }
             self.lists.set(e, &list);
             if pending && key < self.queued[e] {
                 self.queued[e] = key;
-                self.queue.push(Event { key, id: e.0 });
+                self.queue.push(Event::new(key, e.0));
             }
         }
         (self.scratch.list, self.scratch.pieces) = (list, pieces);
@@ -624,7 +631,7 @@ impl<'a> Wavefront<'a> {
     /// A path reaches a vertex.
     fn reach(&mut self, v: VertexId, distance: f64, root: u32, error: f32) {
         // The ends of a front's interval are rounded, also to beyond its source.
-        let distance = distance.max(0.0);
+        let distance = if distance > 0.0 { distance } else { 0.0 };
         let before = self.distance[v];
         if distance >= before {
             return;
@@ -637,7 +644,7 @@ impl<'a> Wavefront<'a> {
         self.error[v] = error;
         if distance < before * (1.0 - 2.0 * TIE_REL) && self.surface.turn(v) == Turn::Saddle {
             let id = self.surface.connectivity().edge_count() as u32 + v.0;
-            self.queue.push(Event { key: distance, id });
+            self.queue.push(Event::new(distance, id));
         }
     }
 }
