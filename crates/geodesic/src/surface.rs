@@ -159,7 +159,7 @@ fn turn_of(mesh: &TriConnectivity, length: &EdgeMap<f64>, v: VertexId) -> Turn {
     let (mut re, mut im, mut half_turns, mut doubt) = (1.0f64, 0.0f64, 0, 0.0);
     for h in mesh.outgoing(v) {
         let (apex, error) = corner(mesh, length, h);
-        let size = apex.x.hypot(apex.y);
+        let size = apex.left;
         let (x, y) = if size > 0.0 { (apex.x / size, apex.y / size) } else { (1.0, 0.0) };
         let before = im;
         (re, im) = (re * x - im * y, re * y + im * x);

@@ -86,6 +86,8 @@ impl Event {
     }
 }
 
+/// Edges behind the wavefront are looked for when this many more have been met, so that each is looked at about twice.
+const CLOSE_AFTER: usize = 1024;
 /// Stop is asked for once in so many events.
 const CHECK_EVERY: u32 = 4096;
 
@@ -109,7 +111,9 @@ pub struct Wavefront<'a> {
     touched_edges: Vec<EdgeId>,
     touched_vertices: Vec<VertexId>,
     /// Edges whose windows may be forgotten once the wavefront is beyond a distance.
-    closing: BinaryHeap<Event>,
+    closing: Vec<(f64, EdgeId)>,
+    /// As soon as there are so many.
+    close_at: usize,
     scratch: Scratch,
     epsilon: f64,
     pub(crate) keep: Keep,
@@ -154,7 +158,8 @@ impl<'a> Wavefront<'a> {
             queue: BinaryHeap::new(),
             touched_edges: Vec::new(),
             touched_vertices: Vec::new(),
-            closing: BinaryHeap::new(),
+            closing: Vec::new(),
+            close_at: CLOSE_AFTER,
             scratch: Scratch::default(),
             epsilon: 0.0,
             keep: Keep::Windows,
@@ -227,6 +232,7 @@ impl<'a> Wavefront<'a> {
         }
         self.queue.clear();
         self.closing.clear();
+        self.close_at = CLOSE_AFTER;
         self.counts = Counts::default();
     }
 
@@ -498,7 +504,7 @@ impl<'a> Wavefront<'a> {
         backward.clear();
         (self.scratch.forward, self.scratch.backward) = (forward, backward);
         if self.keep == Keep::Vertices {
-            self.closing.push(Event::new(self.farthest(e), e.0));
+            self.closing.push((self.farthest(e), e));
         }
     }
 
@@ -520,20 +526,24 @@ impl<'a> Wavefront<'a> {
         0.5 * (self.distance[p] + self.distance[q] + self.surface.length(e))
     }
 
-    /// Forgets the windows of edges that a wavefront at a distance has passed.
+    /// Forgets the windows of edges that a wavefront at a distance has passed, when there may be enough of them.
     fn close(&mut self, at: f64) {
-        while let Some(event) = self.closing.pop() {
-            let e = EdgeId(event.id());
-            if event.key() >= at {
-                self.closing.push(event);
-                return;
+        if self.closing.len() < self.close_at {
+            return;
+        }
+        let Self { closing, lists, queued, .. } = self;
+        closing.retain(|&(farthest, e)| {
+            if farthest >= at {
+                return true;
             }
             // Queued again meanwhile: its next step will put it here again.
-            if self.queued[e] == f64::INFINITY {
-                self.lists.clear(e);
-                self.queued[e] = CLOSED;
+            if queued[e] == f64::INFINITY {
+                lists.clear(e);
+                queued[e] = CLOSED;
             }
-        }
+            false
+        });
+        self.close_at = 2 * self.closing.len() + CLOSE_AFTER;
     }
 
     /// Propagates pencils, given in the frame of a half-edge, across its face.
