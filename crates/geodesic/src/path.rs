@@ -53,6 +53,11 @@ impl Field<'_> {
         let mut length = 0.0;
         // Each step lowers the distance; only rounding could make it stand still.
         for _ in 0..4 * mesh.edge_count() + 16 {
+            if let At::Vertex(v) = at
+                && let Some(&(_, _, label)) = wave.sources.vertices.iter().find(|s| s.0 == v && s.1 <= wave.distance[v])
+            {
+                return Ok(Some(GeodesicPath { points, length: length / wave.surface.scale(), label }));
+            }
             let Some((face, from, approach)) = self.step(at) else { return Ok(None) };
             let to = self.place_of(face, &approach.via);
             length += (to[0] - from[0]).hypot(to[1] - from[1]);
@@ -76,11 +81,6 @@ impl Field<'_> {
                 Via::Corner(k) => At::Vertex(mesh.face_vertices(face)[k]),
                 Via::Side(k, x) => self.across(mesh.face_half_edges(face)[k], x),
             };
-            if let At::Vertex(v) = at
-                && let Some(&(_, _, label)) = wave.sources.vertices.iter().find(|s| s.0 == v && s.1 <= wave.distance[v])
-            {
-                return Ok(Some(GeodesicPath { points, length: length / wave.surface.scale(), label }));
-            }
         }
         Err(GeodesicError::PathLost { face: p.face })
     }

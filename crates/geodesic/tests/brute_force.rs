@@ -5,19 +5,14 @@
 
 mod common;
 
-use common::{Oracle, with_holes};
+use common::{Oracle, dice, with_holes};
 use quadloom_geodesic::{IntrinsicSurface, Keep, Options, Source, Wavefront, vertex_distances};
 use quadloom_mesh::metric::edge_lengths;
-use quadloom_mesh::shapes::{displace, random, sphere, torus, with_noise};
+use quadloom_mesh::shapes::{displace, sphere, torus, with_noise};
 use quadloom_mesh::{DVec2, DVec3, EdgeMap, FaceId, Progress, SurfacePoint, TriConnectivity, TriMesh, VertexId};
 
 /// Surfaces in all.
 const SURFACES: u64 = 1000;
-
-/// A pseudo-random number in 0..1.
-fn dice(seed: u64, index: u64) -> f64 {
-    0.5 + 0.5 * random(seed, index)
-}
 
 /// A random small surface; connected or not, with boundary or not.
 fn surface(seed: u64) -> TriMesh {

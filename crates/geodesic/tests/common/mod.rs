@@ -6,7 +6,13 @@
 //! Paths may bend at any vertex, which never hurts. Cost: exponential in principle, pruned by a bound on lengths.
 #![allow(dead_code, reason = "each test uses a part of it")]
 
+use quadloom_mesh::shapes::random;
 use quadloom_mesh::{DVec2, EdgeMap, HalfEdgeId, TriConnectivity, TriMesh, VertexId};
+
+/// A pseudo-random number in 0..1.
+pub fn dice(seed: u64, index: u64) -> f64 {
+    0.5 + 0.5 * random(seed, index)
+}
 
 pub fn cross(a: DVec2, b: DVec2) -> f64 {
     a.x * b.y - a.y * b.x
