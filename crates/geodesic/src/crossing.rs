@@ -1,8 +1,8 @@
 //! Windows across a face: what of a pencil of rays arrives on its other sides.
 //!
 //! In: a face laid out over the half-edge through which a window enters it. Out: windows on the two other sides, each
-//! in the frame of its half-edge. Holds: what a pencil covers is extended by [`OVERLAP_REL`], so that neighbours
-//! overlap. Source: [Bommes2012] §9, circular and linear window propagation.
+//! in the frame of its half-edge. Holds: rays are widened by more than rounding can move them (a part of the face,
+//! [`OVERLAP_REL`], and what its lengths leave open), so that neighbours overlap. Source: [Bommes2012] §9, circular and linear window propagation.
 //!
 //! ```text
 //!            c              base a → b = half-edge h, its face above it, the source s below
@@ -110,7 +110,14 @@ pub(crate) struct Crossing {
     to_right: [f64; 2],
     /// Direction from the base's origin to the apex.
     to_left: [f64; 2],
+    /// How far rays may be from where they are computed, across their direction.
+    slack: f64,
 }
+
+/// Rounding of three lengths moves the apex by their square over the height, times this.
+const APEX_ERROR: f64 = 4.0 * f64::EPSILON;
+/// Rays are never widened by more than this, relative to the longest side; what that adds is too short by its square.
+const MOST_SLACK_REL: f64 = 1e-7;
 
 impl Crossing {
     pub fn new(surface: &IntrinsicSurface, h: HalfEdgeId) -> Self {
@@ -118,7 +125,10 @@ impl Crossing {
         let unit = |x: f64, y: f64, length: f64| if length > 0.0 { [x / length, y / length] } else { [1.0, 0.0] };
         let to_right = unit(apex.x - apex.base, apex.y, apex.right);
         let to_left = unit(apex.x, apex.y, apex.left);
-        Self { next: mesh.next(h), prev: mesh.prev(h), apex, to_right, to_left }
+        let longest = apex.base.max(apex.right).max(apex.left);
+        let by_rounding = if apex.y > 0.0 { APEX_ERROR * longest * longest / apex.y } else { longest };
+        let slack = OVERLAP_REL * longest + by_rounding.min(MOST_SLACK_REL * longest);
+        Self { next: mesh.next(h), prev: mesh.prev(h), apex, to_right, to_left, slack }
     }
 
     /// Propagates a pencil, given in the frame of the base: what arrives on the next and on the previous side.
@@ -129,18 +139,18 @@ impl Crossing {
         let Pencil { window: w, rays: [r0, r1] } = pencil;
         let ([sx, sy], sigma) = w.source();
         let linear = w.is_linear();
-        // What rounding of the source's place can do to a ray.
-        let drift = if linear { 0.0 } else { DRIFT_REL * (sx.abs() + sy) };
+        // By how much rays are widened, with what rounding of the source's place can do to them.
+        let slack = self.slack + if linear { 0.0 } else { DRIFT_REL * (sx.abs() + sy) };
+        let widened = |[rx, ry]: &[f64; 2]| slack * (rx.abs() + ry);
         // 1. On which side of the rays the apex is: positive on the left.
         let side = |b: f64, [rx, ry]: &[f64; 2]| rx * cy - ry * (cx - b);
         let (c_left_of_0, c_left_of_1) = (side(w.b0, r0), side(w.b1, r1));
         // 2. The right side, counted from b.
         if right > 0.0 && c_left_of_1 >= 0.0 {
             let [ux, uy] = self.to_right;
-            let meet = |b: f64, [rx, ry]: &[f64; 2]| ratio(ry * (base - b), rx * uy - ry * ux, right);
-            let slack = OVERLAP_REL * right + drift;
-            let t0 = (meet(w.b1, r1) - slack).max(0.0);
-            let t1 = if c_left_of_0 > 0.0 { (meet(w.b0, r0) + slack).min(right) } else { right };
+            let meet = |b: f64, [rx, ry]: &[f64; 2], by: f64| ratio(ry * (base - b) + by, rx * uy - ry * ux, right);
+            let t0 = meet(w.b1, r1, -widened(r1));
+            let t1 = if c_left_of_0 > 0.0 { meet(w.b0, r0, widened(r0)).min(right) } else { right };
             if t1 > t0 {
                 let child = if linear {
                     Window::linear([t0, t1], [sx * ux + sy * uy, sx * uy - sy * ux], sigma + sx * base, w.root())
@@ -154,10 +164,9 @@ impl Crossing {
         // 3. The left side, counted from a, then turned round.
         if left > 0.0 && c_left_of_0 <= 0.0 {
             let [vx, vy] = self.to_left;
-            let meet = |b: f64, [rx, ry]: &[f64; 2]| ratio(ry * b, ry * vx - rx * vy, left);
-            let slack = OVERLAP_REL * left + drift;
-            let t0 = (meet(w.b0, r0) - slack).max(0.0);
-            let t1 = if c_left_of_1 < 0.0 { (meet(w.b1, r1) + slack).min(left) } else { left };
+            let meet = |b: f64, [rx, ry]: &[f64; 2], by: f64| ratio(ry * b + by, ry * vx - rx * vy, left);
+            let t0 = meet(w.b0, r0, -widened(r0));
+            let t1 = if c_left_of_1 < 0.0 { meet(w.b1, r1, widened(r1)).min(left) } else { left };
             if t1 > t0 {
                 let child = if linear {
                     Window::linear([t0, t1], [sx * vx + sy * vy, sy * vx - sx * vy], sigma, w.root())

@@ -54,7 +54,7 @@ impl Field<'_> {
         // Each step lowers the distance; only rounding could make it stand still.
         for _ in 0..4 * mesh.edge_count() + 16 {
             if let At::Vertex(v) = at
-                && let Some(&(_, _, label)) = wave.sources.vertices.iter().find(|s| s.0 == v && s.1 <= wave.distance[v])
+                && let Some((_, label)) = wave.sources.at_vertex(v).filter(|s| s.0 <= wave.distance[v])
             {
                 return Ok(Some(GeodesicPath { points, length: length / wave.surface.scale(), label }));
             }

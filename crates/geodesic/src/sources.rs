@@ -96,7 +96,7 @@ pub(crate) enum Root {
 /// Checked sources, scaled.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sources {
-    /// Vertices with their start values and labels.
+    /// Vertices, ascending, with their least start values and the labels of those.
     pub vertices: Vec<(VertexId, f64, u32)>,
     /// Points that are no vertices, and segments, with start values and labels; their order is that of their roots.
     pub roots: Vec<(Root, f64, u32)>,
@@ -146,6 +146,8 @@ impl Sources {
                 }
             }
         }
+        checked.vertices.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+        checked.vertices.dedup_by_key(|source| source.0);
         if checked.vertices.is_empty() && checked.roots.is_empty() {
             return Err(GeodesicError::NoSource);
         }
@@ -158,6 +160,12 @@ impl Sources {
 }
 
 impl Sources {
+    /// Start value and label of a vertex that is a source.
+    pub fn at_vertex(&self, v: VertexId) -> Option<(f64, u32)> {
+        let k = self.vertices.binary_search_by_key(&v, |source| source.0).ok()?;
+        Some((self.vertices[k].1, self.vertices[k].2))
+    }
+
     /// The faces that points and segments touch, with their numbers, ascending.
     pub fn by_face(&self, mesh: &TriConnectivity) -> Vec<(FaceId, u32)> {
         let mut list = Vec::new();

@@ -15,12 +15,18 @@ const TRIANGLE_REL: f64 = 1e-6;
 /// because windows overlap by [`crate::window::OVERLAP_REL`], which is larger.
 const FLAT: f64 = 1e-12;
 
+/// Angle by which neighbouring rays may part though nothing is between them, on triangles of good shape (radians).
+const PARTED_REL: f64 = 1e-9;
+/// The same where triangles are needles, whose angles are known to fewer digits.
+const MOST_PARTED_REL: f64 = 1e-8;
+
 /// What a shortest path can do at a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Turn {
     /// Paths end here: less than a full turn, or less than half a turn on the boundary.
     Convex,
-    /// Paths pass straight: a full turn up to rounding. Nothing starts here.
+    /// Paths pass straight: a full turn up to rounding (half of one on the boundary). Only the edge along which a path
+    /// goes on needs to be told: rays on both sides of it never cross it.
     Flat,
     /// Paths bend around it: it is a pseudo-source once it is reached.
     Saddle,
@@ -34,6 +40,7 @@ pub struct IntrinsicSurface<'a> {
     length: EdgeMap<f64>,
     scale: f64,
     turn: VertexMap<Turn>,
+    parted: f64,
 }
 
 /// Where the apex of a face lies over one of its sides: origin at the side's origin, x along it, y into the face.
@@ -73,8 +80,14 @@ impl<'a> IntrinsicSurface<'a> {
                 return Err(GeodesicError::TriangleInequality { face, lengths: [a, b, c].map(|l| l / scale) });
             }
         }
-        let turn = VertexMap::from_fn(mesh.vertex_count(), |v| turn_of(mesh, &length, v));
-        Ok(Self { mesh, length, scale, turn })
+        let mut doubt = 0.0f64;
+        let turn = VertexMap::from_fn(mesh.vertex_count(), |v| {
+            let (turn, of_vertex) = turn_of(mesh, &length, v);
+            doubt = if of_vertex.is_finite() { doubt.max(of_vertex) } else { doubt };
+            turn
+        });
+        let parted = (PARTED_REL + 10.0 * doubt).min(MOST_PARTED_REL);
+        Ok(Self { mesh, length, scale, turn, parted })
     }
 
     /// The connectivity.
@@ -98,6 +111,11 @@ impl<'a> IntrinsicSurface<'a> {
 
     pub(crate) fn turn(&self, v: VertexId) -> Turn {
         self.turn[v]
+    }
+
+    /// Rays that have parted by less than this, relative to their length, are neighbours still.
+    pub(crate) fn parted(&self) -> f64 {
+        self.parted
     }
 
     /// The face of a half-edge laid out over it.
@@ -154,7 +172,9 @@ fn corner(mesh: &TriConnectivity, length: &EdgeMap<f64>, h: HalfEdgeId) -> (Apex
 }
 
 /// Whether shortest paths bend at a vertex. In doubt they do: a pseudo-source too many costs time and is never wrong.
-fn turn_of(mesh: &TriConnectivity, length: &EdgeMap<f64>, v: VertexId) -> Turn {
+///
+/// # Output     with a bound on the rounding error of the sum of angles, radians
+fn turn_of(mesh: &TriConnectivity, length: &EdgeMap<f64>, v: VertexId) -> (Turn, f64) {
     // The product of the corners' directions has the sum of their angles, up to whole turns, which are counted.
     let (mut re, mut im, mut half_turns, mut doubt) = (1.0f64, 0.0f64, 0, 0.0);
     for h in mesh.outgoing(v) {
@@ -176,11 +196,12 @@ fn turn_of(mesh: &TriConnectivity, length: &EdgeMap<f64>, v: VertexId) -> Turn {
     let excess = total - if mesh.is_boundary_vertex(v) { PI } else { TAU };
     // An area of zero makes the doubt infinite or NaN.
     if !(doubt < FLAT) {
-        return if excess < -doubt { Turn::Convex } else { Turn::Saddle };
+        return (if excess < -doubt { Turn::Convex } else { Turn::Saddle }, doubt);
     }
-    match excess {
+    let turn = match excess {
         x if x > FLAT => Turn::Saddle,
         x if x < -FLAT => Turn::Convex,
         _ => Turn::Flat,
-    }
+    };
+    (turn, doubt)
 }

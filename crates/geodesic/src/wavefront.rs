@@ -16,7 +16,7 @@ use crate::merge;
 use crate::profile::fronts;
 use crate::sources::{Cell, Root, Source, Sources, cell_of, place};
 use crate::surface::{Apex, IntrinsicSurface, Turn};
-use crate::window::{OVERLAP_REL, TIE_REL, Window};
+use crate::window::{DRIFT_REL, OVERLAP_REL, TIE_REL, Window};
 use quadloom_mesh::{EdgeId, EdgeMap, FaceId, HalfEdgeId, Progress, VertexId, VertexMap};
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
@@ -86,6 +86,9 @@ impl Event {
     }
 }
 
+/// A candidate is dropped unseen only if paths from an end of the edge are shorter by more than this, relative to it: one
+/// that comes along the edge itself is as long as those, but for what its source has drifted.
+const FILTER_REL: f64 = 10.0 * DRIFT_REL;
 /// Edges behind the wavefront are looked for when this many more have been met, so that each is looked at about twice.
 const CLOSE_AFTER: usize = 1024;
 /// Stop is asked for once in so many events.
@@ -247,7 +250,7 @@ impl<'a> Wavefront<'a> {
         }
         for &(v, start, _) in &sources.vertices {
             if self.distance[v] == start {
-                self.emit(v, None);
+                self.emit(v, None, Star::Whole);
             }
         }
         self.sources = sources;
@@ -356,14 +359,15 @@ impl<'a> Wavefront<'a> {
 
     // ----- vertices -----
 
-    /// A vertex becomes a pseudo-source.
+    /// A saddle becomes a pseudo-source; past a flat vertex a path may go on along an edge.
     fn advance_vertex(&mut self, v: VertexId, key: f64) {
         // Lower by no more than rounding since it was queued.
         if self.distance[v] >= key * (1.0 - 4.0 * TIE_REL) {
-            self.counts.pseudo_sources += 1;
+            let star = if self.surface.turn(v) == Turn::Saddle { Star::Whole } else { Star::Edges };
+            self.counts.pseudo_sources += u64::from(star == Star::Whole);
             // Behind merged windows the path's direction is not known.
             let sector = if self.error[v] > 0.0 { None } else { self.shadow(v) };
-            self.emit(v, sector);
+            self.emit(v, sector, star);
         }
     }
 
@@ -424,7 +428,7 @@ impl<'a> Wavefront<'a> {
     }
 
     /// Windows from a vertex on the edges around it and on those opposite, within a sector.
-    fn emit(&mut self, v: VertexId, sector: Option<Sector>) {
+    fn emit(&mut self, v: VertexId, sector: Option<Sector>, star: Star) {
         let mesh = self.surface.connectivity();
         let (start, error) = (self.distance[v], self.error[v]);
         let mut angle = 0.0;
@@ -435,8 +439,16 @@ impl<'a> Wavefront<'a> {
             angle += corner;
             let Some([lo, hi]) = within else { continue };
             // 1. Along the edges beside the face.
-            self.enter_spoke(h, v, start, error);
-            self.enter_spoke(mesh.prev(h), v, start, error);
+            let [at_first, at_last] = [whole || lo <= SPOKE, whole || hi >= corner - SPOKE];
+            if at_first {
+                self.enter_spoke(h, v, start, error);
+            }
+            if at_last {
+                self.enter_spoke(mesh.prev(h), v, start, error);
+            }
+            if star == Star::Edges {
+                continue;
+            }
             // 2. Across the face.
             let apex = self.surface.apex(h);
             let frame = Frame::new([apex.base, 0.0], [apex.x, apex.y], apex.right);
@@ -446,8 +458,8 @@ impl<'a> Wavefront<'a> {
                 if across > 0.0 { (apex.base * sin / across).min(frame.length) } else { frame.length }
             };
             let slack = OVERLAP_REL * frame.length;
-            let from = if whole || lo <= 0.0 { 0.0 } else { (on_link(lo) - slack).max(0.0) };
-            let to = if whole || hi >= corner { frame.length } else { (on_link(hi) + slack).min(frame.length) };
+            let from = if at_first { 0.0 } else { (on_link(lo) - slack).max(0.0) };
+            let to = if at_last { frame.length } else { (on_link(hi) + slack).min(frame.length) };
             let window = Window::circular([from, to], frame.to([0.0; 2]), start, v.0).with_error(error);
             self.enter(mesh.next(h), window, true);
         }
@@ -470,6 +482,8 @@ impl<'a> Wavefront<'a> {
             return;
         }
         self.queued[e] = f64::INFINITY;
+        let left = close_gaps(self.lists.of_mut(e), self.surface.parted(), key, self.surface.length(e));
+        self.lists.truncate(e, left);
         self.merge(e);
         let mesh = self.surface.connectivity();
         let (canonical, length) = (mesh.half_edge(e), self.surface.length(e));
@@ -605,7 +619,7 @@ impl<'a> Wavefront<'a> {
                 self.reach(q, at_b1, w.root(), w.error);
             }
             // 3. Paths from an end of the edge that are shorter everywhere ([XinWang2009] §4).
-            let tie = TIE_REL * (at_b0 + at_b1);
+            let tie = FILTER_REL * (at_b0 + at_b1);
             if length <= 0.0
                 || self.farthest_of(p) + w.b1 < at_b1 - tie
                 || self.farthest_of(q) + (length - w.b0) < at_b0 - tie
@@ -652,11 +666,44 @@ impl<'a> Wavefront<'a> {
         self.distance[v] = distance;
         self.label[v] = label_of(&self.label, &self.sources, root);
         self.error[v] = error;
-        if distance < before * (1.0 - 2.0 * TIE_REL) && self.surface.turn(v) == Turn::Saddle {
+        if distance < before * (1.0 - 2.0 * TIE_REL) && self.surface.turn(v) != Turn::Convex {
             let id = self.surface.connectivity().edge_count() as u32 + v.0;
             self.queue.push(Event::new(distance, id));
         }
     }
+}
+
+/// Lets neighbours reach to each other over gaps that rounding has made, also where a window of the other direction, far
+/// from their distances, has filled one; returns how many windows are left, at the start of the list.
+///
+/// On triangles that are known to fewer digits (needles) rays on both sides of a vertex differ by more than they are
+/// widened. What the extension adds is too short by its square.
+fn close_gaps(list: &mut [Window], parted: f64, key: f64, length: f64) -> usize {
+    let narrow = parted * (key + length);
+    let mut last = 0;
+    for next in 1..list.len() {
+        let r = list[next];
+        let l = list[last];
+        if r.b0 > l.b1 && l.to_canonical() == r.to_canonical() {
+            let (distance, slope) = r.at_with_slope(r.b0);
+            if (r.b0 - l.b1) * (1.0 - slope * slope).max(0.0).sqrt() <= parted * distance {
+                list[next].b0 = l.b1;
+            }
+        } else if l.b1 - l.b0 <= narrow && last > 0 {
+            let before = list[last - 1];
+            let (joint, far) = (before.at(before.b1), l.at(l.b0));
+            let is_filler = before.to_canonical() == r.to_canonical()
+                && far - joint > 4.0 * narrow
+                && (r.at(r.b0) - joint).abs() <= 4.0 * narrow;
+            if is_filler {
+                last -= 1;
+                list[next].b0 = before.b1;
+            }
+        }
+        last += 1;
+        list[last] = list[next];
+    }
+    last + 1
 }
 
 /// Label of a root: of a vertex's nearest source, or of a source itself.
@@ -670,6 +717,18 @@ pub(crate) fn label_of(label: &VertexMap<u32>, sources: &Sources, root: u32) -> 
 /// Fraction of a point along a side of its face.
 fn weight_along(mesh: &quadloom_mesh::TriConnectivity, side: HalfEdgeId, p: &quadloom_mesh::SurfacePoint) -> f64 {
     p.weights[(mesh.next(side).0 % 3) as usize]
+}
+
+/// Directions nearer to an edge than this are along it, radians.
+const SPOKE: f64 = 1e-9;
+
+/// What leaves a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Star {
+    /// Windows on the edges around it and on those opposite.
+    Whole,
+    /// Windows on the edges around it alone.
+    Edges,
 }
 
 /// An interval of directions at a vertex.
