@@ -4,6 +4,7 @@
 //! `docs/results/SUITE.md` and everything measured in `docs/results/SUITE.json`, both naming the command that made
 //! them; the meshes themselves stay in the target folder. With `--only` nothing is written to `docs`.
 
+mod geodesic;
 mod runner;
 mod suites;
 mod table;

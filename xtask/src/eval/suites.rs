@@ -16,6 +16,7 @@ pub fn run(settings: &Settings) -> Result<Evaluation, String> {
         "irregular" => irregular(settings),
         "features" => features(settings),
         "distance" => distance(settings),
+        "geodesic" => super::geodesic::run(settings),
         "speed" => speed(settings),
         "threads" => threads(settings),
         "nasty" => nasty(settings),

@@ -98,6 +98,8 @@ pub struct DistanceReport {
     pub path_lengths: Vec<Option<f64>>,
     /// Where the time went.
     pub seconds: Seconds,
+    /// Largest resident memory of the process so far, bytes; none where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
 }
 
 /// One `--from`.
@@ -208,6 +210,7 @@ pub fn measure_distances(
         isolines: lines.len(),
         path_lengths: paths.iter().map(|p| (!p.points.is_empty()).then_some(p.value)).collect(),
         seconds,
+        peak_memory_bytes: crate::memory::peak_bytes(),
     };
     let warnings = warnings_of(&report, &repaired.report);
     Ok(DistanceResult {
