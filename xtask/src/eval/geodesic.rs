@@ -350,10 +350,11 @@ impl Bench<'_> {
         ];
         let mut rows = Vec::new();
         for (name, input, from, shown) in cases.into_iter().filter(|c| self.settings.wants(c.0)) {
-            let refined = |tolerance: f64| self.run(&input, &format!("--from {from} --refine {tolerance}"), false);
-            let before = refined(1e30)?.report["refinement"]["largest_error_before"].as_f64().unwrap_or(f64::NAN);
+            let refined =
+                |this: &Self, tolerance: f64| this.run(&input, &format!("--from {from} --refine {tolerance}"), false);
+            let before = refined(self, 1e30)?.report["refinement"]["largest_error_before"].as_f64().unwrap_or(f64::NAN);
             for factor in [10.0, 100.0] {
-                let ran = refined(before / factor)?;
+                let ran = refined(self, before / factor)?;
                 let result = &ran.report["refinement"];
                 let of = |key: &str| result[key].as_f64();
                 let (faces, faces_before) = (of("faces"), of("faces_before"));
