@@ -119,11 +119,16 @@ fn overlap(pieces: &mut Pieces, new: &Window, (owner, old): (Owner, &Window), lo
         pieces.add(inside, of(inside), x, y);
         pieces.add(outside, of(outside), y, hi);
     };
+    // Equal windows from two sides are cut so that their rays do not part: at the end where the slope falls more. One is
+    // only the other's extension there, which cuts the corner behind which the other begins.
+    let cut = |left: &Window, right: &Window| {
+        let falls = |x: f64| left.at_with_slope(x).1 - right.at_with_slope(x).1;
+        if falls(lo) > falls(hi) { lo } else { hi }
+    };
     match compare(new, old, lo, hi, narrow) {
-        // 1. Each on the side from which it comes.
-        Outcome::Equal(Some(x)) if new.b0 < old.b0 => share([lo, x], Owner::New, owner),
-        Outcome::Equal(Some(x)) if new.b1 > old.b1 => share([x, hi], Owner::New, owner),
-        Outcome::Old | Outcome::Equal(_) => share([lo, hi], owner, Owner::New),
+        Outcome::Equal if new.b0 < old.b0 && new.b1 < old.b1 => share([lo, cut(new, old)], Owner::New, owner),
+        Outcome::Equal if new.b0 > old.b0 && new.b1 > old.b1 => share([cut(old, new), hi], Owner::New, owner),
+        Outcome::Old | Outcome::Equal => share([lo, hi], owner, Owner::New),
         Outcome::New => share([lo, hi], Owner::New, owner),
         Outcome::NewThenOld(x) => share([lo, x], Owner::New, owner),
         Outcome::OldThenNew(x) => share([x, hi], Owner::New, owner),

@@ -13,9 +13,8 @@ use crate::window::{TIE_REL, Window};
 pub(crate) enum Outcome {
     /// The old one.
     Old,
-    /// Neither, beyond rounding. The place is where their slopes are equal, if that is inside: there a front and
-    /// the one that starts where it was cut off touch, and beyond it the former only cuts the corner.
-    Equal(Option<f64>),
+    /// Neither, beyond rounding.
+    Equal,
     /// The new one.
     New,
     /// The new one before the place, the old one after it.
@@ -45,7 +44,7 @@ pub(crate) fn compare(new: &Window, old: &Window, lo: f64, hi: f64, narrow: f64)
     let cross = |a: (f64, f64), b: (f64, f64)| crossing(new, old, a, b);
     let (l, m, h) = ((lo, at_lo.0), middle.map_or((x, 0.0), |(x, f)| (x, f.0)), (hi, at_hi.0));
     match (s_lo, s_mid, s_hi) {
-        (0, 0, 0) => Outcome::Equal((x > lo && x < hi).then_some(x)),
+        (0, 0, 0) => Outcome::Equal,
         (0 | 1, 0 | 1, 0 | 1) => Outcome::Old,
         (-1 | 0, -1 | 0, -1 | 0) => Outcome::New,
         (-1, 1, 1..) | (-1, 1, 0) if s_hi >= 0 => Outcome::NewThenOld(cross(l, m)),

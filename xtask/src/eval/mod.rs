@@ -109,7 +109,8 @@ pub fn run(suite: &str, args: &[String]) -> Outcome {
     let markdown = format!("{}\nMade by `{}`.\n", result.markdown, settings.command_line());
     let text = settings.without_places(&format!("{document:#}\n"));
     write(&folder.join(format!("{suite}.json")), &text)?;
-    write(&folder.join(format!("{suite}.md")), &settings.without_places(&markdown))
+    write(&folder.join(format!("{suite}.md")), &settings.without_places(&markdown))?;
+    if result.broken.is_empty() { Ok(()) } else { Err(format!("broken: {}", result.broken.join("; "))) }
 }
 
 fn write(path: &std::path::Path, text: &str) -> Outcome {

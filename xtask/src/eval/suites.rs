@@ -312,7 +312,7 @@ fn limits(settings: &Settings) -> Result<Evaluation, String> {
     rows.push(limit_row("--time-limit 1", exit, begin.elapsed().as_secs_f64() - 1.0, &folder, &message));
     let head = ["stop", "exit", "seconds until it ended", "files left", "message"];
     let text = format!("# Interrupts and time limits on turbineblade_200k\n\n{}", grid(&head, &rows));
-    Ok(Evaluation { markdown: text, runs: rows.into_iter().map(|r| json!(r)).collect() })
+    Ok(Evaluation { markdown: text, runs: rows.into_iter().map(|r| json!(r)).collect(), broken: Vec::new() })
 }
 
 fn interrupted(settings: &Settings, input: &Path, delay: f64) -> Result<Vec<String>, String> {
@@ -392,7 +392,7 @@ fn solver(settings: &Settings) -> Result<Evaluation, String> {
          dense matrix would be too large.\n\n{}\n{quick}",
         grid(&head, &rows)
     );
-    Ok(Evaluation { markdown: text, runs: list.into_iter().chain(quick_rows).collect() })
+    Ok(Evaluation { markdown: text, runs: list.into_iter().chain(quick_rows).collect(), broken: Vec::new() })
 }
 
 /// What the example of the solver prints for a model.
@@ -464,7 +464,7 @@ fn cad(settings: &Settings) -> Result<Evaluation, String> {
 }
 
 fn evaluation(markdown: String, runs: &[Run]) -> Evaluation {
-    Evaluation { markdown, runs: runs.iter().map(Run::to_json).collect() }
+    Evaluation { markdown, runs: runs.iter().map(Run::to_json).collect(), broken: Vec::new() }
 }
 
 fn job(model: &str, variant: &str, input: &Path, options: Vec<String>, measure: Measure) -> Job {

@@ -9,6 +9,8 @@ pub struct Evaluation {
     pub markdown: String,
     /// Everything measured.
     pub runs: Vec<Value>,
+    /// Promises that were broken: the tables are written, and the evaluation fails.
+    pub broken: Vec<String>,
 }
 
 /// A column: its heading, and the cell of a run.
