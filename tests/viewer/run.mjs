@@ -4,51 +4,16 @@
 //     cargo xtask viewer                     a page that the command makes
 //     node tests/viewer/run.mjs [page.html [folder for the pictures]]
 //
-// Exits 0 when everything holds, 1 when a check fails; 0 with a line `skipped: …` without Chromium or
-// playwright-core. Without a page it builds the demo with cargo. CHROMIUM names another browser, and
-// PLAYWRIGHT_CORE the folder of the package where it is installed neither beside the repository nor globally.
+// Exits 0 when everything holds, 1 when a check fails; see browser.mjs for what it needs. Without a page it builds the
+// demo with cargo.
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, realpathSync, rmSync, writeFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { tmpdir } from 'node:os';
-import { dirname, join, resolve } from 'node:path';
-import { fileURLToPath, pathToFileURL } from 'node:url';
+import { mkdirSync, writeFileSync } from 'node:fs';
+import { join, resolve } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { ROOT, SIZE, folder, fullyDrawn, launch } from './browser.mjs';
 
-const ROOT = resolve(dirname(fileURLToPath(import.meta.url)), '../..');
-const SIZE = { width: 1280, height: 800 };
-const FLAGS = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update',
-  '--disable-sync', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-gpu-compositing', '--hide-scrollbars'];
 
-function skip(reason) {
-  console.log(`skipped: ${reason}`);
-  process.exit(0);
-}
-
-function findPlaywright() {
-  const places = [process.env.PLAYWRIGHT_CORE, join(ROOT, 'package.json'), join(process.cwd(), 'package.json')].filter(Boolean);
-  for (const place of places) {
-    try {
-      return place === process.env.PLAYWRIGHT_CORE ? createRequire(join(place, 'x'))(resolve(place)) : createRequire(place)('playwright-core');
-    } catch (error) {
-      if (error.code !== 'MODULE_NOT_FOUND') throw error;
-    }
-  }
-  // Packages that were installed globally are beside npm itself.
-  try {
-    return createRequire(join(dirname(realpathSync(process.execPath)), '../lib/node_modules/x'))('playwright-core');
-  } catch (error) {
-    if (error.code !== 'MODULE_NOT_FOUND') throw error;
-  }
-  return skip('the npm package playwright-core is not installed');
-}
-
-const browserPath = [process.env.CHROMIUM, '/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(p => p && existsSync(p))
-  ?? skip('no Chromium found (Debian: apt-get install chromium)');
-const { chromium } = findPlaywright();
-
-const scratch = mkdtempSync(join(tmpdir(), 'quadloom-viewer-'));
-process.on('exit', () => rmSync(scratch, { recursive: true, force: true }));
-const page_file = process.argv[2] ? resolve(process.argv[2]) : join(scratch, 'demo.html');
+const page_file = process.argv[2] ? resolve(process.argv[2]) : join(folder, 'demo.html');
 if (!process.argv[2]) execFileSync('cargo', ['run', '--release', '-q', '-p', 'quadloom', '--example', 'demo_view', '--', page_file], { cwd: ROOT, stdio: 'inherit' });
 const pictures = process.argv[3] ? resolve(process.argv[3]) : null;
 if (pictures) mkdirSync(pictures, { recursive: true });
@@ -61,7 +26,7 @@ function check(holds, what) {
   console.log(`${holds ? 'ok' : 'FAILED'}: ${what}`);
 }
 
-const browser = await chromium.launch({ executablePath: browserPath, headless: true, args: FLAGS });
+const browser = await launch();
 try {
   const page = await browser.newPage({ viewport: SIZE });
   const complaints = [], requests = [];
@@ -71,12 +36,8 @@ try {
 
   // The picture as numbers, counted by a second, blank page: what is left when nothing draws it.
   const counter = await browser.newPage();
-  const still = async () => {
-    await page.waitForFunction(() => document.documentElement.dataset.drawn === 'finely', null, { timeout: 60000 });
-    await page.evaluate(() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done))));
-  };
   async function picture(name, clip) {
-    await still();
+    await fullyDrawn(page);
     const png = await page.screenshot({ clip });
     if (pictures) writeFileSync(join(pictures, `${name}.png`), png);
     return png;

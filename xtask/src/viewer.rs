@@ -1,10 +1,10 @@
-//! The page of `--view` in a real browser.
+//! The pages of `--view` in a real browser.
 //!
 //! In: a built command. Out: success, or what the browser saw. Holds: without Node, Chromium or playwright-core the
 //! check is skipped, and says so.
 
 use crate::shell::{Outcome, cargo, root};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// The shape whose page is opened: it has features, bores, seams and irregular vertices.
@@ -27,12 +27,19 @@ pub fn test() -> Outcome {
     cargo(&[&words[..], &options[..]].concat())?;
     // 2. The browser.
     let script = root().join("tests/viewer/run.mjs");
-    let status = Command::new("node")
-        .arg(script)
-        .arg(&page)
-        .arg(folder.join("pictures"))
-        .current_dir(root())
-        .status()
-        .map_err(|e| format!("node: {e}"))?;
-    if status.success() { Ok(()) } else { Err(format!("the browser test of {page} failed")) }
+    let pictures = folder.join("pictures").display().to_string();
+    browse(&script, &[&page, &pictures])?;
+    // 3. The same for distances.
+    let [csv, page] = ["plate.csv", "plate.html"].map(|name| folder.join(name).display().to_string());
+    let words = ["run", "--release", "--quiet", "--package", "quadloom-cli", "--", "distance", "sample:plate"];
+    let sources = ["--from", "boundary", "--from", "vertices:7", "--isolines", "20", "--path-from", "vertices:200"];
+    cargo(&[&words[..], &sources[..], &["-o", &csv, "--view", &page, "--quiet"]].concat())?;
+    browse(&root().join("tests/viewer/distance.mjs"), &[&page])
+}
+
+/// Has a script work with a page.
+fn browse(script: &Path, words: &[&str]) -> Outcome {
+    let status = Command::new("node").arg(script).args(words).current_dir(root()).status();
+    let status = status.map_err(|e| format!("node: {e}"))?;
+    if status.success() { Ok(()) } else { Err(format!("the browser test of {} failed", words[0])) }
 }

@@ -97,7 +97,7 @@ impl Field<'_> {
                     let k = (h.0 - mesh.first_half_edge(face).0) as usize;
                     let from = wave.surface.layout(face)[k];
                     for a in self.approaches_of_corner(face, k, from) {
-                        if best.is_none_or(|(_, _, b)| a.distance < b.distance) {
+                        if a.distance < best.map_or(f64::INFINITY, |(_, _, b)| b.distance) {
                             best = Some((face, from, a));
                         }
                     }

@@ -206,6 +206,8 @@ impl<'a> Wavefront<'a> {
             until_check -= 1;
             if until_check == 0 {
                 progress.check()?;
+                let reached = self.touched_vertices.len() as f64;
+                progress.report("wavefront", reached / self.distance.len() as f64);
                 until_check = CHECK_EVERY;
             }
             let (key, id) = (event.key(), event.id());

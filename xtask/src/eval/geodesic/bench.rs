@@ -94,8 +94,8 @@ impl<'a> Bench<'a> {
         Ok(path.is_file().then_some(path))
     }
 
-    /// The words that name a source: `vertex` is the first one that a face uses, `polygon` a closed curve of eight points
-    /// across faces, `polyline` half of it; others are the command's own.
+    /// The words that name a source: `vertex` is the first one that a face uses, `polygon` a closed curve of eight
+    /// points across faces, `polyline` half of it; others are the command's own.
     pub fn source(&self, input: &Path, kind: &str) -> Result<Vec<String>, String> {
         let from = match kind {
             // Generated surfaces use all their vertices.

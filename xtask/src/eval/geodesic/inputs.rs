@@ -59,8 +59,8 @@ impl Triangles {
         })
     }
 
-    /// Points on the surface around a model's middle, each the centre of the face nearest to a direction on the bounding
-    /// box's ellipsoid, as a file of curves has them; a closed curve repeats its first.
+    /// Points on the surface around a model's middle, each the centre of the face nearest to a direction on the
+    /// bounding box's ellipsoid, as a file of curves has them; a closed curve repeats its first.
     pub fn curve_around(&self, corners: usize, is_closed: bool) -> Value {
         let (low, high) = self.bounds();
         let nearest = |k: usize| {
@@ -91,8 +91,8 @@ pub fn write_torus(path: &Path, side: u32) -> std::io::Result<()> {
     let mut out = BufWriter::new(std::fs::File::create(path)?);
     write!(
         out,
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n\
-         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\n\
+         property double z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
         side * side,
         2 * side * side
     )?;
