@@ -110,7 +110,7 @@ fn round(l: &Window, r: &Window) -> Option<Window> {
     let ((d0, m0), (d1, m1)) = (l.at_with_slope(b0), r.at_with_slope(b1));
     let (w, delta) = (b1 - b0, d0 - d1);
     let squares = (w - delta) * (w + delta);
-    if !(squares > 0.0) {
+    if squares.is_nan() || squares <= 0.0 {
         return None;
     }
     let (steep_l, steep_r) = (-(delta + w * m0), w * m1 + delta);

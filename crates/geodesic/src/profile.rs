@@ -89,7 +89,7 @@ fn seen_on(pencil: &Pencil, width: f64, [p, q]: [[f64; 2]; 2], length: f64) -> O
     let [mut lo, mut hi] = [0.0, length];
     for (b, [rx, ry], sign) in [(w.b0, rays[0], -1.0), (w.b1, rays[1], 1.0)] {
         let size = rx.hypot(ry);
-        if !(size > 0.0) {
+        if size <= 0.0 {
             // The source is the window's end itself: it sees everything.
             continue;
         }
@@ -104,7 +104,7 @@ fn seen_on(pencil: &Pencil, width: f64, [p, q]: [[f64; 2]; 2], length: f64) -> O
             return None;
         }
     }
-    if !(hi > lo) {
+    if lo.is_nan() || hi <= lo {
         return None;
     }
     // 2. The same function in the segment's frame.
@@ -136,7 +136,7 @@ pub(crate) fn fronts(frame: &Frame, p: [f64; 2], q: [f64; 2], start: f64, root: 
         lo = ends[0].min(ends[1]).max(lo);
         hi = ends[0].max(ends[1]).min(hi);
     }
-    if !(hi > lo) {
+    if hi <= lo {
         return [None; 2];
     }
     let slack = OVERLAP_REL * frame.length;

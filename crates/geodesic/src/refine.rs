@@ -21,6 +21,7 @@ use crate::path::barycentric;
 use crate::wavefront::label_of;
 use crate::window::Window;
 use quadloom_mesh::{EdgeId, EdgeMap, FaceId, FaceMap, Progress, SurfacePoint, TriConnectivity, VertexId, VertexMap};
+use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
 /// How a mesh is refined.
@@ -360,8 +361,8 @@ impl<'w> Refiner<'w> {
                 _ => continue,
             };
             for side in sides {
-                if !tags.contains_key(&side) {
-                    tags.insert(side, self.compared[&side].halfway);
+                if let Entry::Vacant(place) = tags.entry(side) {
+                    place.insert(self.compared[&side].halfway);
                     to_visit.extend(beside[&side].iter().filter(|&&j| j != u32::MAX && j != i));
                 }
             }

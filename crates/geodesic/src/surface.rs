@@ -195,7 +195,7 @@ fn turn_of(mesh: &TriConnectivity, length: &EdgeMap<f64>, v: VertexId) -> (Turn,
     let total = PI * f64::from(half_turns) + rest;
     let excess = total - if mesh.is_boundary_vertex(v) { PI } else { TAU };
     // An area of zero makes the doubt infinite or NaN.
-    if !(doubt < FLAT) {
+    if doubt.is_nan() || doubt >= FLAT {
         return (if excess < -doubt { Turn::Convex } else { Turn::Saddle }, doubt);
     }
     let turn = match excess {

@@ -57,7 +57,7 @@ impl Window {
         self.tag & LINEAR != 0
     }
     /// Whether the front moves into the face of the canonical half-edge.
-    pub fn to_canonical(&self) -> bool {
+    pub fn to_canonical(self) -> bool {
         self.tag & TO_CANONICAL != 0
     }
     /// Whether it has yet to be propagated.

@@ -127,13 +127,16 @@ fn to_segment(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
     p.distance(a + t * ab)
 }
 
+/// Segments with a start value.
+type Figure = (Vec<[DVec2; 2]>, f64);
+
 #[test]
 fn a_convex_plane_has_euclidean_distances() {
     for seed in 0..12 {
         let flat = plane(9, seed, |_, _| true);
         let surface = IntrinsicSurface::new(&flat.mesh, &flat.length).unwrap();
         let mut tracer = CurveTracer::new(&surface);
-        let (mut sources, mut figures): (Vec<Source>, Vec<(Vec<[DVec2; 2]>, f64)>) = (Vec::new(), Vec::new());
+        let (mut sources, mut figures) = (Vec::new(), Vec::<Figure>::new());
         for k in 0..1 + seed % 4 {
             let start = if k > 0 { 0.3 * dice(seed, 900 + k) } else { 0.0 };
             let p = |j: u64| flat.random_point(seed, 31 * k + 7 * j);
@@ -154,7 +157,7 @@ fn a_convex_plane_has_euclidean_distances() {
         }
         flat.check(&format!("plane {seed}"), &sources, |p| {
             let at = flat.place(p);
-            let to = |(pieces, start): &(Vec<[DVec2; 2]>, f64)| {
+            let to = |(pieces, start): &Figure| {
                 start + pieces.iter().map(|&piece| to_segment(at, piece)).fold(f64::INFINITY, f64::min)
             };
             figures.iter().map(to).collect()
@@ -358,6 +361,9 @@ fn cones_and_saddles_unfold_around_their_tip() {
     }
 }
 
+/// Told of each unfolded face: the face, its corners, and the two rays between which it is seen.
+type Meet<'a> = dyn FnMut(usize, &[DVec2], Option<[DVec2; 2]>) + 'a;
+
 /// A face of a polyhedron, cut into triangles: corner positions of triangles inside a polygon given by its corners.
 struct Solid {
     /// Corners of each face, counter-clockwise, as vertices of the solid.
@@ -404,7 +410,7 @@ impl Solid {
         p: DVec2,
         cone: Option<[DVec2; 2]>,
         visited: &mut [bool],
-        meet: &mut dyn FnMut(usize, &[DVec2], Option<[DVec2; 2]>),
+        meet: &mut Meet,
     ) {
         meet(face, places, cone);
         visited[face] = true;

@@ -80,7 +80,7 @@ impl Fine {
             }
             _ => return Ok(None),
         };
-        if !(options.tolerance > 0.0) && request.refine.is_none() {
+        if largest <= 0.0 && request.refine.is_none() {
             // Nothing is farther than the sources.
             return Ok(None);
         }

@@ -113,7 +113,7 @@ impl<'a> Lookup<'a> {
         match *p {
             CurvePoint::Space(position) => {
                 let closest = self.closest.get_or_init(|| ClosestPoint::new(&self.repaired.mesh)).query(position);
-                if !(closest.distance <= self.snap) {
+                if closest.distance > self.snap {
                     return Err(RemeshError::Mismatch {
                         what: "a point",
                         why: format!(

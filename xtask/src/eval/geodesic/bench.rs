@@ -128,6 +128,7 @@ impl<'a> Bench<'a> {
         let (Some(seconds), Some(0)) = (ended["seconds"].as_f64(), ended["exit"].as_i64()) else {
             let said = std::fs::read_to_string(&log).unwrap_or_default();
             let why = ended["error"].as_str().unwrap_or_else(|| said.trim());
+            let why = why.lines().collect::<Vec<_>>().join(" / ");
             return Err(format!("{}: exit {}: {why}", options.join(" "), ended["exit"]));
         };
         let text = std::fs::read(&report).map_err(|e| format!("no report: {e}"))?;
@@ -207,7 +208,7 @@ impl<'a> Bench<'a> {
                 }
                 Err(why) => {
                     eprintln!("{title}: {} {}: {why}", case.0, case.1);
-                    let text = why.replace(['|', '\n'], "/");
+                    let text = why.replace('|', "/");
                     rows.push(vec![case.0.into(), case.1.into(), format!("**failed**: {text}")]);
                     self.runs.push(json!({ "table": title, "model": case.0, "from": case.1, "failed": why }));
                     self.broken.push(format!("{title}, {} from {}: {why}", case.0, case.1));
@@ -238,7 +239,8 @@ impl<'a> Bench<'a> {
     /// Adds a table, padded where rows are short, and what it leaves out.
     pub fn section(&mut self, title: &str, text: &str, head: &[&str], mut rows: Vec<Vec<String>>) {
         rows.iter_mut().for_each(|row| row.resize(head.len(), String::new()));
-        let _ = write!(self.text, "\n## {title}\n\n{text}\n\n{}", grid(head, &rows));
+        let table = if rows.is_empty() { String::new() } else { grid(head, &rows) };
+        let _ = write!(self.text, "\n## {title}\n\n{text}\n\n{table}");
         self.skipped.dedup();
         for skipped in self.skipped.drain(..) {
             let _ = write!(self.text, "\n{skipped}\n");
