@@ -180,6 +180,7 @@ fn scales_change_nothing_but_the_scale() {
 }
 
 #[test]
+#[allow(clippy::print_stderr, reason = "a test that skips says so")]
 fn broken_models_that_are_surfaces_have_distances() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/models/nasty");
     let Ok(entries) = std::fs::read_dir(&folder) else {

@@ -1,7 +1,7 @@
 //! What distances are asked for.
 //!
 //! In: what a user names, in the numbers of the input. Out: [`DistanceRequest`]. Holds: nothing; names are looked up
-//! in the surface by [`super::sources`].
+//! in the surface by `sources`.
 
 use quadloom_io::{CurvePoint, IoError, read_curves};
 use quadloom_mesh::DVec3;
