@@ -629,7 +629,6 @@ mod tests {
         assert_eq!(coarse.connectivity.face_count(), mesh.face_count());
         let fine = wave.field().refine(&RefineOptions::within(coarse.error / 100.0), &Progress::none()).unwrap();
         let factor = fine.connectivity.face_count() as f64 / mesh.face_count() as f64;
-        println!("{factor} {} {} {} {}", fine.error_before, fine.error, fine.steps, fine.smallest_new_angle);
         assert!(fine.is_reached && fine.error <= fine.error_before / 100.0);
         assert!(factor <= 4.0, "{factor}");
         assert!(fine.smallest_new_angle >= 1.0, "{}", fine.smallest_new_angle);
@@ -654,14 +653,6 @@ mod tests {
         ];
         wave.spread(&sources, &Options::default(), &Progress::none()).unwrap();
         let fine = wave.field().refine(&RefineOptions::within(1e-3), &Progress::none()).unwrap();
-        println!(
-            "{} {} {} {} {}",
-            fine.connectivity.face_count(),
-            fine.error_before,
-            fine.error,
-            fine.steps,
-            fine.smallest_new_angle
-        );
         assert!(fine.is_reached);
         for (v, point) in fine.points.iter() {
             let nearest = wave.field().at(point).unwrap();

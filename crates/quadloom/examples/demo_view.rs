@@ -51,6 +51,7 @@ fn demo_scene(cells: i64) -> Result<Scene, Box<dyn Error>> {
         uv_isolines: view::isolines(&mesh, &map),
         histograms: view::quad_histograms(&quads, Some(target)),
         quads: Some(QuadLayer::of(&quads)),
+        ..Scene::default()
     })
 }
 
