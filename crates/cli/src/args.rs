@@ -214,7 +214,7 @@ pub struct DistanceArgs {
     /// Distances with which the sources start, in units of the file, as in 0,0.5; missing ones start at 0
     #[arg(long, value_name = "D,…", value_delimiter = ',', value_parser = parse_from_zero)]
     pub start: Vec<f64>,
-    /// Relative error that distances may have, 0 (exact) up to below 1: 0.001 is several times faster
+    /// Relative error that distances may have, 0 (exact) up to below 1: 0.001 is about twice as fast
     #[arg(long, value_name = "E", default_value_t = 0.0, value_parser = parse_epsilon)]
     pub epsilon: f64,
     /// How far points and curves may be from the surface, relative to its diagonal

@@ -8,20 +8,27 @@
 use crate::error::GeodesicError;
 use crate::sources::{Cell, Source, cell_of, check_point, place};
 use crate::surface::IntrinsicSurface;
-use crate::wavefront::{Options, Wavefront};
+use crate::wavefront::{Corridor, Options, Wavefront};
 use quadloom_mesh::{EdgeId, FaceId, Progress, SurfacePoint, TriConnectivity, VertexId};
 
 /// Joins points of a surface to curves, in memory that is kept from one to the next.
 pub struct CurveTracer<'a> {
     wave: Wavefront<'a>,
+    /// From the other end, approximately: tells where the shortest path can be.
+    guide: Wavefront<'a>,
+    corridor: Option<Corridor>,
 }
+
+/// Relative error of the guide: larger is faster, and leaves a wider corridor.
+const GUIDE_EPSILON: f64 = 0.01;
 
 impl<'a> CurveTracer<'a> {
     /// Prepares a surface.
     ///
     /// # Cost       linear
     pub fn new(surface: &'a IntrinsicSurface<'a>) -> Self {
-        Self { wave: Wavefront::new(surface) }
+        let corridor = Some(Corridor::new(surface.connectivity().vertex_count()));
+        Self { wave: Wavefront::new(surface), guide: Wavefront::new(surface), corridor }
     }
 
     /// The curve through points in order.
@@ -75,18 +82,38 @@ impl<'a> CurveTracer<'a> {
         to: SurfacePoint,
         progress: &Progress,
     ) -> Result<Option<Vec<SurfacePoint>>, GeodesicError> {
-        let surface = self.wave.surface;
-        let corners = surface.connectivity().face_vertices(from.face);
-        let layout = surface.layout(from.face);
-        let at = place(layout, from.weights);
-        let to_corner: [f64; 3] = std::array::from_fn(|k| (layout[k][0] - at[0]).hypot(layout[k][1] - at[1]));
-        // All windows nearer than the shortest way over a corner are known by then.
+        // 1. Approximately from one end: never above the truth, and at the other end not far below it.
+        let options = Options { epsilon: GUIDE_EPSILON, ..Options::default() };
+        let (enough, mut front) = (is_known(self.wave.surface, &to), f64::INFINITY);
         let enough = |wave: &Wavefront, key: f64| {
-            (0..3).map(|k| wave.distance[corners[k]] + to_corner[k]).fold(f64::INFINITY, f64::min) < key
+            let known = enough(wave, key);
+            front = if known { key } else { front };
+            known
         };
-        self.wave.spread_until(&[Source::point(to)], &Options::default(), progress, enough)?;
+        self.guide.spread_until(&[Source::point(from)], &options, progress, enough)?;
+        let near = self.guide.field().at(&to)?.distance * self.wave.surface.scale();
+        if near.is_infinite() {
+            return Ok(None);
+        }
+        // 2. Exactly from the other one, but only where both distances together are no more than the whole one can be.
+        let mut corridor = self.corridor.take().unwrap_or_else(|| Corridor::new(self.wave.distance.len()));
+        corridor.set(&self.guide, front, near / (1.0 - GUIDE_EPSILON));
+        self.wave.corridor = Some(corridor);
+        let enough = is_known(self.wave.surface, &from);
+        let done = self.wave.spread_until(&[Source::point(to)], &Options::default(), progress, enough);
+        self.corridor = self.wave.corridor.take();
+        done?;
         Ok(self.wave.field().path_from(&from)?.map(|path| path.points))
     }
+}
+
+/// Whether all windows that matter to a point are known: those nearer than the shortest way over a corner of its face.
+fn is_known(surface: &IntrinsicSurface, p: &SurfacePoint) -> impl Fn(&Wavefront, f64) -> bool + use<> {
+    let corners = surface.connectivity().face_vertices(p.face);
+    let layout = surface.layout(p.face);
+    let at = place(layout, p.weights);
+    let to_corner: [f64; 3] = std::array::from_fn(|k| (layout[k][0] - at[0]).hypot(layout[k][1] - at[1]));
+    move |wave, key| (0..3).map(|k| wave.distance[corners[k]] + to_corner[k]).fold(f64::INFINITY, f64::min) < key
 }
 
 /// Segments along edges.

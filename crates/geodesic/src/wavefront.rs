@@ -120,7 +120,51 @@ pub struct Wavefront<'a> {
     scratch: Scratch,
     epsilon: f64,
     pub(crate) keep: Keep,
+    /// Where windows spread; everywhere if there is none.
+    pub(crate) corridor: Option<Corridor>,
 }
+
+/// Where a shortest path to a goal can be: places whose distances from both ends are together at most that of the ends.
+pub(crate) struct Corridor {
+    /// Bound from below of each vertex's distance from the goal, where it is known.
+    lower: VertexMap<f64>,
+    known: Vec<VertexId>,
+    /// The same for other vertices.
+    beyond: f64,
+    most: f64,
+}
+
+impl Corridor {
+    pub fn new(vertices: usize) -> Self {
+        let lower = VertexMap::filled(vertices, f64::INFINITY);
+        Self { lower, known: Vec::new(), beyond: 0.0, most: f64::INFINITY }
+    }
+
+    /// Takes bounds from an approximate wavefront that began at the goal and has come so far.
+    pub fn set(&mut self, guide: &Wavefront, front: f64, most: f64) {
+        self.known.drain(..).for_each(|v| self.lower[v] = f64::INFINITY);
+        self.known.extend_from_slice(&guide.touched_vertices);
+        self.known.iter().for_each(|&v| self.lower[v] = guide.distance[v]);
+        (self.beyond, self.most) = (front, most * (1.0 + CORRIDOR_SLACK));
+    }
+
+    fn lower(&self, v: VertexId) -> f64 {
+        self.lower[v].min(self.beyond)
+    }
+
+    /// Whether a path can lead over an edge that it reaches after a distance.
+    fn has_edge(&self, [p, q]: [VertexId; 2], length: f64, after: f64) -> bool {
+        // No place of the edge is farther from both ends than they are apart.
+        after + 0.5 * (self.lower(p) + self.lower(q) - length) <= self.most
+    }
+
+    fn has_vertex(&self, v: VertexId, after: f64) -> bool {
+        after + self.lower(v) <= self.most
+    }
+}
+
+/// Room for rounding.
+const CORRIDOR_SLACK: f64 = 1e-9;
 
 /// Lists that are empty between steps.
 #[derive(Default)]
@@ -166,6 +210,7 @@ impl<'a> Wavefront<'a> {
             scratch: Scratch::default(),
             epsilon: 0.0,
             keep: Keep::Windows,
+            corridor: None,
         }
     }
 
@@ -641,7 +686,8 @@ impl<'a> Wavefront<'a> {
                 self.touched_edges.push(e);
             }
             self.lists.set(e, &list);
-            if pending && key < self.queued[e] {
+            let leads_on = self.corridor.as_ref().is_none_or(|c| c.has_edge([p, q], length, key));
+            if pending && leads_on && key < self.queued[e] {
                 self.queued[e] = key;
                 self.queue.push(Event::new(key, e.0));
             }
@@ -668,7 +714,8 @@ impl<'a> Wavefront<'a> {
         self.distance[v] = distance;
         self.label[v] = label_of(&self.label, &self.sources, root);
         self.error[v] = error;
-        if distance < before * (1.0 - 2.0 * TIE_REL) && self.surface.turn(v) != Turn::Convex {
+        let leads_on = self.corridor.as_ref().is_none_or(|c| c.has_vertex(v, distance));
+        if distance < before * (1.0 - 2.0 * TIE_REL) && leads_on && self.surface.turn(v) != Turn::Convex {
             let id = self.surface.connectivity().edge_count() as u32 + v.0;
             self.queue.push(Event::new(distance, id));
         }

@@ -161,6 +161,29 @@ fn several_curves_keep_their_labels() {
 }
 
 #[test]
+fn curves_join_points_by_shortest_paths() {
+    for (seed, mesh) in
+        [(1, bumpy_torus()), (2, bracket(0.25)), (3, displace(&sphere(1.0, 4), |p| 0.2 * (6.0 * p.x).sin()))]
+    {
+        let lengths = edge_lengths(&mesh);
+        let surface = IntrinsicSurface::new(&mesh, &lengths).unwrap();
+        let (mut tracer, mut wave) = (CurveTracer::new(&surface), Wavefront::new(&surface));
+        let points = random_points(&mesh, seed, 24);
+        for pair in points.windows(2) {
+            wave.spread(&[Source::point(pair[0])], &Options::default(), &Progress::none()).unwrap();
+            let exact = wave.field().at(&pair[1]).unwrap().distance;
+            let joined = tracer.join(pair, 0, &Progress::none()).unwrap();
+            let length = |s: &Source| match s.shape {
+                SourceShape::Segment(p, q) => p.position(&mesh).distance(q.position(&mesh)),
+                _ => 0.0,
+            };
+            let found: f64 = joined.iter().map(length).sum();
+            assert!((found - exact).abs() <= 1e-10 * exact, "{seed}: {found} instead of {exact}");
+        }
+    }
+}
+
+#[test]
 fn curves_that_cannot_be_joined_are_named() {
     let two = join(&[sphere(1.0, 1), sphere(0.5, 1)]);
     let lengths = edge_lengths(&two);
