@@ -204,6 +204,7 @@ fn what_cannot_be_is_refused() {
     refused(2, "distance in.obj --from vertices:0 -o d.csv --epsilon 1", &["--epsilon"]);
     refused(2, "distance in.obj --from vertices:0 -o d.csv --refine 0", &["--refine"]);
     refused(2, "distance in.obj --from vertices:0 -o d.csv --isolines 0", &["--isolines"]);
+    refused(2, "distance in.obj --from vertices:0 --start 0,1 -o d.csv", &["--start", "one number for each --from"]);
     refused(2, "distance in.obj --from vertices:0 -o in.obj", &["in.obj", "the input"]);
     // 2. Files.
     refused(3, "distance none.obj --from vertices:0 -o d.csv", &["none.obj"]);

@@ -131,7 +131,7 @@ pub struct Seconds {
 /// Measures distances on a surface.
 ///
 /// # Input      a soup, as a file says it; what is asked for
-/// # Errors     a soup that is no surface; names that are not on it; a stop
+/// # Errors     more start values than sources; a soup that is no surface; names that are not on it; a stop
 /// # Cost       that of [`Wavefront::spread`]; without lines, paths and pictures only windows of the wavefront's
 /// surroundings are in memory
 /// # Guarantees deterministic; exact up to rounding with ε = 0
@@ -140,6 +140,13 @@ pub fn measure_distances(
     request: &DistanceRequest,
     progress: &Progress,
 ) -> Result<DistanceResult, RemeshError> {
+    if let Some(&value) = request.start.get(request.from.len()) {
+        return Err(RemeshError::Option {
+            option: "start",
+            value,
+            allowed: "one number for each --from, in their order,",
+        });
+    }
     let mut seconds = Seconds::default();
     let mut clock = Clock(Instant::now());
     let named = request.from.iter().map(Named::read).collect::<Result<Vec<_>, _>>()?;
