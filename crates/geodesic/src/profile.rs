@@ -118,6 +118,9 @@ fn seen_on(pencil: &Pencil, width: f64, [p, q]: [[f64; 2]; 2], length: f64) -> O
 }
 
 /// The two fronts of a segment `p..q` on a line of its face ([Bommes2012] §9, Figure 9.6 a), in the frame of that line.
+///
+/// They are not widened: the windows of the segment's ends cover the line too, and beside an end that lies on it a longer
+/// front would be too short by as much as it is longer.
 pub(crate) fn fronts(frame: &Frame, p: [f64; 2], q: [f64; 2], start: f64, root: u32) -> [Option<Window>; 2] {
     let ([px, py], [qx, qy]) = (frame.to(p), frame.to(q));
     let length = (qx - px).hypot(qy - py);
@@ -139,8 +142,6 @@ pub(crate) fn fronts(frame: &Frame, p: [f64; 2], q: [f64; 2], start: f64, root: 
     if hi <= lo {
         return [None; 2];
     }
-    let slack = OVERLAP_REL * frame.length;
-    let [lo, hi] = [(lo - slack).max(0.0), (hi + slack).min(frame.length)];
     // 2. On the left of the segment, and on its right: distance ±((y − py)·dx − (x − px)·dy), up to where it is zero.
     [1.0, -1.0].map(|sign| {
         let (slope, at_origin) = (-sign * dy, sign * (px * dy - py * dx));

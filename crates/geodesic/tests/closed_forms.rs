@@ -1,14 +1,16 @@
 //! Exact distances against closed forms, to 1e-10 of the largest.
 //!
 //! In: surfaces that unfold to the plane, told by connectivity and edge lengths alone: a plane with convex outline, one
-//! with obstacles, cylinder, cones of less and more than a full turn, cube, regular tetrahedron, flat torus.
+//! with obstacles, cylinder, cones of less and more than a full turn, cube, octahedron, regular tetrahedron, flat torus,
+//! pillow, two discs glued; cut irregularly (also to needles by random splits) or as regularly as can be.
 //! Out: distances of all vertices and of random points as the unfolded figure has them.
 
 mod common;
 
 use common::dice;
-use quadloom_geodesic::{CurveTracer, IntrinsicSurface, Options, Source, Wavefront};
+use quadloom_geodesic::{CurveTracer, IntrinsicSurface, Options, Source, SourceShape, Wavefront};
 use quadloom_mesh::{DVec2, EdgeMap, FaceId, Progress, SurfacePoint, TriConnectivity, VertexId};
+use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::{PI, TAU};
 
 /// A surface whose faces lie in the plane: all of it, or each face for itself.
@@ -57,6 +59,69 @@ impl Unfolded {
         SurfacePoint { face: self.mesh.face(h), weights }
     }
 
+    /// The same surface with faces and sides split at random places, and for each face the one that it is a part of.
+    fn shattered(&self, seed: u64, rounds: u64) -> (Self, Vec<usize>) {
+        let mut shards = Shards {
+            vertices: self.mesh.vertex_count() as u32,
+            faces: self.mesh.faces().map(|f| self.mesh.face_vertices(f).map(|v| v.0)).collect(),
+            corners: self.corners.clone(),
+            part_of: (0..self.mesh.face_count()).collect(),
+        };
+        (0..rounds).for_each(|round| shards.split(100 * seed + round));
+        (Self::new(shards.vertices as usize, &shards.faces, shards.corners), shards.part_of)
+    }
+
+    /// Points, segments in a face, polylines and closed polylines with labels and start values; where their pieces lie.
+    fn mixed_sources(&self, seed: u64) -> (Vec<Source>, Vec<Figure>) {
+        let surface = IntrinsicSurface::new(&self.mesh, &self.length).unwrap();
+        let mut tracer = CurveTracer::new(&surface);
+        let scale = self.length.values().iter().copied().fold(0.0, f64::max);
+        let (mut sources, mut figures) = (Vec::new(), Vec::new());
+        for k in 0..1 + seed % 4 {
+            let start = if k > 0 { scale * dice(seed, 900 + k) } else { 0.0 };
+            let p = |j: u64| self.random_point(seed, 31 * k + 7 * j);
+            let points = match (seed + k) % 4 {
+                0 => vec![p(0)],
+                1 => vec![p(2), SurfacePoint { face: p(2).face, ..p(3) }],
+                2 => vec![p(1), p(2), p(3)],
+                _ => vec![p(2), p(3), p(4), p(2)],
+            };
+            let pieces = tracer.join(&points, k as u32, &Progress::none()).unwrap();
+            figures.push((pieces.iter().map(|piece| self.place_of(piece)).collect(), start));
+            sources.extend(pieces.into_iter().map(|piece| piece.with_start(start)));
+        }
+        (sources, figures)
+    }
+
+    fn place_of(&self, source: &Source) -> [DVec2; 2] {
+        match source.shape {
+            SourceShape::Segment(p, q) => [p, q].map(|p| self.place(&p)),
+            SourceShape::Point(p) => [self.place(&p); 2],
+            SourceShape::Vertex(v) => [self.place(&self.at_vertex(v)); 2],
+        }
+    }
+
+    /// The same faces with corners elsewhere.
+    fn with_corners(self, place: impl Fn(usize, DVec2) -> DVec2) -> Self {
+        let corners = self.corners.iter().enumerate().map(|(f, corners)| corners.map(|at| place(f, at))).collect();
+        Self { corners, ..self }
+    }
+
+    /// Compares distances from mixed sources with those between all images of points in the plane.
+    fn check_images<I: Iterator<Item = DVec2>>(&self, what: &str, seeds: u64, images: impl Fn(DVec2) -> I) {
+        for seed in 0..seeds {
+            let (sources, figures) = self.mixed_sources(seed);
+            self.check(&format!("{what}, sources {seed}"), &sources, |p| {
+                let at: Vec<DVec2> = images(self.place(p)).collect();
+                let to = |(pieces, start): &Figure| {
+                    let all = pieces.iter().flat_map(|&piece| at.iter().map(move |&at| to_segment(at, piece)));
+                    start + all.fold(f64::INFINITY, f64::min)
+                };
+                figures.iter().map(to).collect()
+            });
+        }
+    }
+
     /// Compares distances, labels, and lengths of paths with those of the figure.
     fn check(&self, what: &str, sources: &[Source], truth: impl Fn(&SurfacePoint) -> Vec<f64>) {
         let surface = IntrinsicSurface::new(&self.mesh, &self.length).unwrap();
@@ -87,8 +152,85 @@ impl Unfolded {
     }
 }
 
-/// A square grid of `n` by `n` cells with displaced vertices and diagonals at random; `inside` tells which cells exist.
-fn plane(n: usize, seed: u64, inside: impl Fn(usize, usize) -> bool) -> Unfolded {
+/// Faces that are split: what is left of an [`Unfolded`] without its connectivity.
+struct Shards {
+    vertices: u32,
+    faces: Vec<[u32; 3]>,
+    corners: Vec<[DVec2; 3]>,
+    /// The face of the beginning of which each is a part.
+    part_of: Vec<usize>,
+}
+
+impl Shards {
+    /// Replaces a face by parts, told by its corners 0..=2 and a new vertex 3.
+    fn replace(&mut self, f: usize, parts: &[[usize; 3]], new: u32, at: DVec2) {
+        let (ids, places) = (self.faces[f], self.corners[f]);
+        let id = |k: usize| if k == 3 { new } else { ids[k] };
+        let place = |k: usize| if k == 3 { at } else { places[k] };
+        (self.faces[f], self.corners[f]) = (parts[0].map(id), parts[0].map(place));
+        for part in &parts[1..] {
+            self.faces.push(part.map(id));
+            self.corners.push(part.map(place));
+            self.part_of.push(self.part_of[f]);
+        }
+    }
+
+    /// Splits many faces or their sides once, at places between 0.02 and 0.98 of them.
+    fn split(&mut self, seed: u64) {
+        let sides: HashMap<(u32, u32), (usize, usize)> = (0..self.faces.len())
+            .flat_map(|f| (0..3).map(move |k| (f, k)))
+            .map(|(f, k)| ((self.faces[f][k], self.faces[f][(k + 1) % 3]), (f, k)))
+            .collect();
+        let mut done = vec![false; self.faces.len()];
+        for f in 0..done.len() {
+            let chance = |k: u64| dice(seed, 5 * f as u64 + k);
+            let (k, t) = ((3.0 * chance(0)) as usize % 3, 0.02 + 0.96 * chance(1));
+            let twin = sides.get(&(self.faces[f][(k + 1) % 3], self.faces[f][k])).copied();
+            if chance(2) < 0.3 || done[f] || twin.is_some_and(|(g, _)| done[g]) {
+                continue;
+            }
+            let new = self.vertices;
+            self.vertices += 1;
+            done[f] = true;
+            if chance(3) < 0.4 {
+                let [a, b, c] = self.corners[f];
+                let at = a.lerp(b, t).lerp(c, 0.02 + 0.96 * chance(4));
+                self.replace(f, &[[0, 1, 3], [1, 2, 3], [2, 0, 3]], new, at);
+                continue;
+            }
+            for (f, k, t) in [Some((f, k, t)), twin.map(|(g, j)| (g, j, 1.0 - t))].into_iter().flatten() {
+                let (next, apex) = ((k + 1) % 3, (k + 2) % 3);
+                let at = self.corners[f][k].lerp(self.corners[f][next], t);
+                self.replace(f, &[[k, 3, apex], [3, next, apex]], new, at);
+                done[f] = true;
+            }
+        }
+    }
+}
+
+/// How a figure is cut into triangles.
+#[derive(Clone, Copy, PartialEq)]
+enum Cut {
+    /// Vertices displaced and diagonals at random.
+    Irregular,
+    /// Vertices on lines through each other, diagonals all the same: every place is a tie.
+    Regular,
+}
+
+impl Cut {
+    /// A number in -1/4..1/4 by which a vertex is displaced, in steps of the grid.
+    fn offset(self, seed: u64, index: u64) -> f64 {
+        if self == Self::Regular { 0.0 } else { 0.5 * (dice(seed, index) - 0.5) }
+    }
+
+    /// Which diagonal a cell has.
+    fn turn(self, seed: u64, cell: usize) -> usize {
+        usize::from(self == Self::Irregular && dice(seed + 1, cell as u64) < 0.5)
+    }
+}
+
+/// A square grid of `n` by `n` cells; `inside` tells which cells exist.
+fn plane(n: usize, cut: Cut, seed: u64, inside: impl Fn(usize, usize) -> bool) -> Unfolded {
     let exists = |i: usize, j: usize| i < n && j < n && inside(i, j);
     // Vertices on the outline and on obstacles stay.
     let is_free = |i: usize, j: usize| {
@@ -96,8 +238,7 @@ fn plane(n: usize, seed: u64, inside: impl Fn(usize, usize) -> bool) -> Unfolded
     };
     let at = |i: usize, j: usize| {
         let index = (j * (n + 1) + i) as u64;
-        let amount = if is_free(i, j) { 0.5 } else { 0.0 };
-        let [dx, dy] = [0, 1].map(|k| amount * (dice(seed, 2 * index + k) - 0.5));
+        let [dx, dy] = [0, 1].map(|k| if is_free(i, j) { cut.offset(seed, 2 * index + k) } else { 0.0 });
         DVec2::new(i as f64 + dx, j as f64 + dy) / n as f64
     };
     let mut number = vec![u32::MAX; (n + 1) * (n + 1)];
@@ -112,7 +253,7 @@ fn plane(n: usize, seed: u64, inside: impl Fn(usize, usize) -> bool) -> Unfolded
             }
             *id
         });
-        let turn = usize::from(dice(seed + 1, (j * n + i) as u64) < 0.5);
+        let turn = cut.turn(seed, j * n + i);
         for [a, b, c] in [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| (k + turn) % 4)) {
             faces.push([ids[a], ids[b], ids[c]]);
             corners.push([a, b, c].map(|k| at(cell[k].0, cell[k].1)));
@@ -133,7 +274,7 @@ type Figure = (Vec<[DVec2; 2]>, f64);
 #[test]
 fn a_convex_plane_has_euclidean_distances() {
     for seed in 0..12 {
-        let flat = plane(9, seed, |_, _| true);
+        let flat = plane(9, Cut::Irregular, seed, |_, _| true);
         let surface = IntrinsicSurface::new(&flat.mesh, &flat.length).unwrap();
         let mut tracer = CurveTracer::new(&surface);
         let (mut sources, mut figures) = (Vec::new(), Vec::<Figure>::new());
@@ -195,7 +336,8 @@ fn obstacles_are_passed_as_the_visibility_graph_says() {
     for (figure, holes) in figures.iter().enumerate() {
         for seed in 0..6 {
             let is_hole = |i, j| holes.iter().any(|&[x0, y0, x1, y1]| i >= x0 && i < x1 && j >= y0 && j < y1);
-            let flat = plane(n, 40 + seed, |i, j| !is_hole(i, j));
+            let cut = if seed % 3 == 2 { Cut::Regular } else { Cut::Irregular };
+            let flat = plane(n, cut, 40 + seed, |i, j| !is_hole(i, j));
             let is_free = |a: DVec2, b: DVec2| !holes.iter().any(|&hole| crosses(a, b, hole, n));
             // 1. Sources: a point, or a segment in a face, and another point with a start value.
             let p = flat.random_point(seed, 3);
@@ -248,18 +390,18 @@ fn obstacles_are_passed_as_the_visibility_graph_says() {
 }
 
 /// A grid of `m` by `n` cells whose columns repeat, and its rows too if `closed`; cell (i, j) begins at `at(i, j)`.
-fn wrapped(m: usize, n: usize, closed: bool, seed: u64, at: impl Fn(f64, f64) -> DVec2) -> Unfolded {
+fn wrapped([m, n]: [usize; 2], closed: bool, cut: Cut, seed: u64, at: impl Fn(f64, f64) -> DVec2) -> Unfolded {
     let rows = if closed { n } else { n + 1 };
     let id = |i: usize, j: usize| ((j % rows) * m + i % m) as u32;
     let place = |i: usize, j: usize| {
         let free = closed || (j > 0 && j < n);
-        let [dx, dy] = [0, 1].map(|k| if free { 0.5 * (dice(seed, 2 * u64::from(id(i, j)) + k) - 0.5) } else { 0.0 });
+        let [dx, dy] = [0, 1].map(|k| if free { cut.offset(seed, 2 * u64::from(id(i, j)) + k) } else { 0.0 });
         at(i as f64 + dx, j as f64 + dy)
     };
     let (mut faces, mut corners) = (Vec::new(), Vec::new());
     for (i, j) in (0..m * n).map(|k| (k % m, k / m)) {
         let cell = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
-        let turn = usize::from(dice(seed + 1, (j * m + i) as u64) < 0.5);
+        let turn = cut.turn(seed, j * m + i);
         for t in [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| cell[(k + turn) % 4])) {
             faces.push(t.map(|(i, j)| id(i, j)));
             corners.push(t.map(|(i, j)| place(i, j)));
@@ -272,7 +414,7 @@ fn wrapped(m: usize, n: usize, closed: bool, seed: u64, at: impl Fn(f64, f64) ->
 fn a_cylinder_unfolds_to_a_strip() {
     for seed in 0..8 {
         let (m, n) = (7 + seed as usize, 6);
-        let flat = wrapped(m, n, false, seed, |x, y| DVec2::new(x, 1.7 * y));
+        let flat = wrapped([m, n], false, Cut::Irregular, seed, |x, y| DVec2::new(x, 1.7 * y));
         let shift = DVec2::new(m as f64, 0.0);
         let p = flat.random_point(seed, 1 + seed);
         let q = SurfacePoint { face: p.face, ..flat.random_point(seed, 53) };
@@ -290,7 +432,7 @@ fn a_cylinder_unfolds_to_a_strip() {
 fn a_flat_torus_has_the_distances_of_its_lattice() {
     for seed in 0..8 {
         let (u, v) = (DVec2::new(1.0, 0.0), DVec2::new(0.37 - 0.1 * seed as f64, 0.9));
-        let flat = wrapped(8, 7, true, seed, |x, y| u * x / 8.0 + v * y / 7.0);
+        let flat = wrapped([8, 7], true, Cut::Irregular, seed, |x, y| u * x / 8.0 + v * y / 7.0);
         let sources = [flat.random_point(seed, 2), flat.random_point(seed, 11)];
         let places = sources.map(|p| flat.place(&p));
         let sources = [0, 1].map(|k| Source::point(sources[k]).with_label(k as u32).with_start(0.1 * k as f64));
@@ -306,12 +448,22 @@ fn a_flat_torus_has_the_distances_of_its_lattice() {
 }
 
 /// A fan of rings around a vertex with the given sum of angles; polar coordinates of each face's corners.
-fn cone(total: f64, seed: u64) -> (Unfolded, Vec<[[f64; 2]; 3]>) {
-    let (m, rings) = (11usize, 5usize);
+fn cone(total: f64, [m, rings]: [usize; 2], cut: Cut, seed: u64) -> (Unfolded, Vec<[[f64; 2]; 3]>) {
+    let (faces, polars) = fan(total, [m, rings], cut, seed);
+    // Each face in a plane of its own, with the tip at the origin and its middle direction along x.
+    let corners = polars.iter().map(|corners| {
+        let middle = middle_angle(corners);
+        corners.map(|[r, a]| r * DVec2::from_angle(a - middle))
+    });
+    (Unfolded::new(1 + rings * m, &faces, corners.collect()), polars)
+}
+
+/// Faces of a fan of rings, and polar coordinates of their corners; the last ring has the last vertices.
+fn fan(total: f64, [m, rings]: [usize; 2], cut: Cut, seed: u64) -> (Vec<[u32; 3]>, Vec<[[f64; 2]; 3]>) {
     let id = |i: usize, j: usize| if j == 0 { 0 } else { (1 + (j - 1) * m + i % m) as u32 };
     let polar = |i: usize, j: usize| {
         let free = j > 0 && j < rings;
-        let [dr, da] = [0, 1].map(|k| if free { 0.5 * (dice(seed, 2 * u64::from(id(i, j)) + k) - 0.5) } else { 0.0 });
+        let [dr, da] = [0, 1].map(|k| if free { cut.offset(seed, 2 * u64::from(id(i, j)) + k) } else { 0.0 });
         [j as f64 + dr, (i as f64 + da) * total / m as f64]
     };
     let mut cells = Vec::new();
@@ -319,18 +471,12 @@ fn cone(total: f64, seed: u64) -> (Unfolded, Vec<[[f64; 2]; 3]>) {
         cells.push([(i, 0), (i, 1), (i + 1, 1)]);
         for j in 1..rings {
             let cell = [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)];
-            let turn = usize::from(dice(seed + 1, (j * m + i) as u64) < 0.5);
+            let turn = cut.turn(seed, j * m + i);
             cells.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| cell[(k + turn) % 4])));
         }
     }
     let faces: Vec<[u32; 3]> = cells.iter().map(|t| t.map(|(i, j)| id(i, j))).collect();
-    let polars: Vec<[[f64; 2]; 3]> = cells.iter().map(|t| t.map(|(i, j)| polar(i, j))).collect();
-    // Each face in a plane of its own, with the tip at the origin and its middle direction along x.
-    let corners = polars.iter().map(|corners| {
-        let middle = middle_angle(corners);
-        corners.map(|[r, a]| r * DVec2::from_angle(a - middle))
-    });
-    (Unfolded::new(1 + rings * m, &faces, corners.collect()), polars)
+    (faces, cells.iter().map(|t| t.map(|(i, j)| polar(i, j))).collect())
 }
 
 /// Mean angle of a face's corners, but for the tip.
@@ -343,7 +489,7 @@ fn middle_angle(corners: &[[f64; 2]; 3]) -> f64 {
 fn cones_and_saddles_unfold_around_their_tip() {
     for (k, total) in [1.3, 3.0, 4.0, TAU - 0.3, TAU, TAU + 1e-3, 7.5, 3.0 * PI, 11.0].into_iter().enumerate() {
         for seed in 0..4 {
-            let (flat, polars) = cone(total, seed);
+            let (flat, polars) = cone(total, [11, 5], Cut::Irregular, seed);
             let polar_of = |p: &SurfacePoint| {
                 let at = flat.place(p);
                 (at.length(), at.y.atan2(at.x) + middle_angle(&polars[p.face.index()]))
@@ -452,10 +598,10 @@ impl Solid {
     }
 
     /// Each face cut into a fan of `n`-fold triangles, displaced inside.
-    fn cut(&self, n: usize, seed: u64) -> (Unfolded, Vec<usize>) {
+    fn cut(&self, n: usize, cut: Cut, seed: u64) -> (Unfolded, Vec<usize>) {
         let (mut faces, mut corners, mut owner) = (Vec::new(), Vec::new(), Vec::new());
         // Vertices are named by the solid's vertices and their weights, in n-ths.
-        let mut names = std::collections::BTreeMap::new();
+        let mut names = BTreeMap::new();
         for (f, face) in self.faces.iter().enumerate() {
             for k in 1..face.len() - 1 {
                 let around = [0, k, k + 1];
@@ -468,9 +614,9 @@ impl Solid {
                     if name.len() == 3 {
                         name.push((usize::MAX, f));
                     }
-                    let amount = if name.len() == 4 { 0.4 / n as f64 } else { 0.0 };
+                    let amount = if name.len() == 4 { 0.8 / n as f64 } else { 0.0 };
                     let index = (f * 1000 + k * 100 + i * 10 + j) as u64;
-                    let [x, y] = [0, 1].map(|k| amount * (dice(seed, 2 * index + k) - 0.5));
+                    let [x, y] = [0, 1].map(|k| amount * cut.offset(seed, 2 * index + k));
                     let at: DVec2 =
                         around.iter().zip(weights).map(|(&c, w)| self.outlines[f][c] * (w as f64 / n as f64)).sum();
                     (name, at + DVec2::new(x, y))
@@ -512,7 +658,7 @@ fn a_cube_has_the_distances_of_its_unfoldings() {
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let cube = Solid::regular(faces.map(|f| f.to_vec()).to_vec());
     for seed in 0..6 {
-        let (flat, owner) = cube.cut(4, seed);
+        let (flat, owner) = cube.cut(4, Cut::Irregular, seed);
         assert_eq!(flat.mesh.vertex_count() + flat.mesh.face_count() - flat.mesh.edge_count(), 2);
         let p = flat.random_point(seed, 2 + seed);
         let of = |p: &SurfacePoint| (owner[p.face.index()], flat.place(p));
@@ -533,7 +679,7 @@ fn a_regular_tetrahedron_rolls_on_its_lattice() {
         [c, DVec2::new(-0.5, height), a],
     ];
     for seed in 0..6 {
-        let (flat, owner) = solid.cut(5, seed);
+        let (flat, owner) = solid.cut(5, Cut::Irregular, seed);
         assert_eq!(flat.mesh.vertex_count() + flat.mesh.face_count() - flat.mesh.edge_count(), 2);
         let rolled = |p: &SurfacePoint| {
             let f = owner[p.face.index()];
@@ -552,5 +698,265 @@ fn a_regular_tetrahedron_rolls_on_its_lattice() {
         flat.check(&format!("tetrahedron {seed}, unfolded"), &[Source::point(p)], |q| {
             vec![solid.distance(of(&p), of(q))]
         });
+    }
+}
+
+/// The figure and irregular, regular, and shattered cuts of it.
+fn cuts(figure: impl Fn(Cut) -> Unfolded) -> Vec<(&'static str, Unfolded)> {
+    let shattered = |cut, rounds| figure(cut).shattered(rounds, rounds).0;
+    vec![
+        ("irregular", figure(Cut::Irregular)),
+        ("regular", figure(Cut::Regular)),
+        ("split", shattered(Cut::Irregular, 1)),
+        ("split thrice", shattered(Cut::Regular, 3)),
+        ("shattered", shattered(Cut::Irregular, 5)),
+    ]
+}
+
+#[test]
+fn planes_have_the_distances_of_any_cut_of_them() {
+    for (what, flat) in cuts(|cut| plane(6, cut, 3, |_, _| true)) {
+        flat.check_images(&format!("plane, {what}"), 12, |at| std::iter::once(at));
+    }
+    // Many faces in a row: a hundred cells on each side.
+    for cut in [Cut::Irregular, Cut::Regular] {
+        plane(100, cut, 8, |_, _| true).check_images("large plane", 4, |at| std::iter::once(at));
+    }
+}
+
+#[test]
+fn cylinders_and_tori_have_the_distances_of_any_cut_of_them() {
+    for (what, flat) in cuts(|cut| wrapped([7, 6], false, cut, 5, |x, y| DVec2::new(x, 1.3 * y))) {
+        let shift = DVec2::new(7.0, 0.0);
+        flat.check_images(&format!("cylinder, {what}"), 12, |at| (-2..=2).map(move |k| at + shift * f64::from(k)));
+    }
+    // Skewed, square, and of equilateral triangles.
+    for (u, v) in [
+        (DVec2::X, DVec2::new(-0.4, 0.8)),
+        (DVec2::X, DVec2::Y),
+        (DVec2::X, DVec2::new(0.5, 0.75f64.sqrt())),
+        (3.0 * DVec2::X, DVec2::new(0.2, 0.5)),
+    ] {
+        for (what, flat) in cuts(|cut| wrapped([6, 6], true, cut, 5, |x, y| (u * x + v * y) / 6.0)) {
+            flat.check_images(&format!("torus {u} {v}, {what}"), 8, |at| {
+                (0..169).map(move |k| at + u * f64::from(k % 13 - 6) + v * f64::from(k / 13 - 6))
+            });
+        }
+    }
+}
+
+/// Images of a place under half turns about the points of a lattice.
+fn half_turns(at: DVec2, u: DVec2, v: DVec2) -> impl Iterator<Item = DVec2> {
+    let shifts = (0..81).map(move |k| 2.0 * (u * f64::from(k % 9 - 4) + v * f64::from(k / 9 - 4)));
+    shifts.flat_map(move |t| [t + at, t - at])
+}
+
+#[test]
+fn a_pillow_has_the_distances_of_half_turns() {
+    // Two unit squares glued along all sides: the back of (x, y) is (2 - x, y).
+    let pillow = |cut: Cut| {
+        let (top, bottom) = (plane(5, cut, 1, |_, _| true), plane(5, cut, 2, |_, _| true));
+        // A quarter turn, so that no two diagonals join the same vertices.
+        let turned = bottom.corners.iter().map(|t| t.map(|at| DVec2::new(1.0 - at.y, at.x)));
+        let layers = [(0, top.corners.clone()), (1, turned.collect())];
+        let (mut faces, mut corners) = (Vec::new(), Vec::new());
+        let mut names = BTreeMap::new();
+        for (layer, [a, b, c]) in layers.into_iter().flat_map(|(layer, all)| all.into_iter().map(move |t| (layer, t))) {
+            let t = if layer == 0 { [a, b, c] } else { [b, a, c] };
+            faces.push(t.map(|at| {
+                let is_outer = at.min_element() < 1e-9 || at.max_element() > 1.0 - 1e-9;
+                let [x, y] = [at.x, at.y].map(|x| (1e9 * x).round() as i64);
+                let next = names.len() as u32;
+                *names.entry((x, y, if is_outer { 0 } else { layer })).or_insert(next)
+            }));
+            corners.push(t.map(|at| if layer == 0 { at } else { DVec2::new(2.0 - at.x, at.y) }));
+        }
+        Unfolded::new(names.len(), &faces, corners)
+    };
+    for (what, flat) in cuts(pillow) {
+        assert_eq!(flat.mesh.vertex_count() + flat.mesh.face_count() - flat.mesh.edge_count(), 2);
+        flat.check_images(&format!("pillow, {what}"), 12, |at| half_turns(at, DVec2::X, DVec2::Y));
+    }
+}
+
+/// Numbers vertices anew, in the order of their first faces.
+fn compact(faces: Vec<[u32; 3]>, corners: Vec<[DVec2; 3]>) -> Unfolded {
+    let mut number = BTreeMap::new();
+    let mut numbered = |v: u32| {
+        let next = number.len() as u32;
+        *number.entry(v).or_insert(next)
+    };
+    let faces: Vec<[u32; 3]> = faces.into_iter().map(|t| t.map(&mut numbered)).collect();
+    let count = 1 + faces.iter().flatten().copied().max().unwrap_or(0);
+    Unfolded::new(count as usize, &faces, corners)
+}
+
+#[test]
+fn two_discs_glued_have_the_distances_of_one_reflection() {
+    // Regular polygons with `m` sides, one on the other, seen from below as from above.
+    for (m, rings, cut) in
+        [(7, 4, Cut::Irregular), (24, 6, Cut::Irregular), (24, 6, Cut::Regular), (6, 3, Cut::Regular)]
+    {
+        let (top, polars) = fan(TAU, [m, rings], cut, 1);
+        let (bottom, polars_below) = fan(TAU, [m, rings], cut, 2);
+        let inner = (1 + (rings - 1) * m) as u32;
+        let place = |[r, a]: [f64; 2]| r * DVec2::from_angle(a);
+        let (mut faces, mut corners) = (top.clone(), Vec::new());
+        corners.extend(polars.iter().map(|t| t.map(place)));
+        for (face, polar) in bottom.iter().zip(&polars_below) {
+            let [a, b, c] = face.map(|v| if v < inner { v + 10_000 } else { v });
+            faces.push([b, a, c]);
+            corners.push([1, 0, 2].map(|k| place(polar[k])));
+        }
+        let upper = top.len();
+        let outline: Vec<DVec2> = (0..=m).map(|k| place([rings as f64, k as f64 * TAU / m as f64])).collect();
+        let whole = compact(faces, corners);
+        for (rounds, seed) in [(0, 0), (0, 1), (0, 2), (2, 3), (4, 4)] {
+            let (flat, part_of) = whole.shattered(seed, rounds);
+            let is_above = |p: &SurfacePoint| part_of[p.face.index()] < upper;
+            let sources: Vec<SurfacePoint> = match seed {
+                // The middle: all of the rim is as far.
+                0 => vec![flat.at_vertex(VertexId(0))],
+                k => (0..3).map(|j| flat.random_point(seed, 10 * j + k)).collect(),
+            };
+            let named = |k: usize| Source::point(sources[k]).with_label(k as u32).with_start(0.3 * k as f64);
+            let named: Vec<Source> = (0..sources.len()).map(named).collect();
+            flat.check(&format!("discs of {m}, {seed}"), &named, |q| {
+                let over = |(k, p): (usize, &SurfacePoint)| {
+                    let (a, b) = (flat.place(p), flat.place(q));
+                    let rim = outline.windows(2).map(|side| over_side(a, b, [side[0], side[1]]));
+                    let on_rim = [p, q].map(|p| to_outline(flat.place(p), &outline) < 1e-12);
+                    let same = is_above(p) == is_above(q) || on_rim[0] || on_rim[1];
+                    0.3 * k as f64 + if same { a.distance(b) } else { rim.fold(f64::INFINITY, f64::min) }
+                };
+                sources.iter().enumerate().map(over).collect()
+            });
+        }
+    }
+}
+
+fn to_outline(p: DVec2, outline: &[DVec2]) -> f64 {
+    outline.windows(2).map(|side| to_segment(p, [side[0], side[1]])).fold(f64::INFINITY, f64::min)
+}
+
+/// The shortest way from one place to another that touches a side, which has both on its left.
+fn over_side(p: DVec2, q: DVec2, [a, b]: [DVec2; 2]) -> f64 {
+    let u = (b - a).normalize();
+    let [(px, py), (qx, qy)] = [p, q].map(|p| ((p - a).dot(u), u.perp_dot(p - a).max(0.0)));
+    let x = if py + qy > 0.0 { px + (qx - px) * py / (py + qy) } else { px };
+    let x = x.clamp(0.0, a.distance(b));
+    (px - x).hypot(py) + (qx - x).hypot(qy)
+}
+
+#[test]
+fn tetrahedra_and_octahedra_have_the_distances_of_any_cut_of_them() {
+    // 1. The tetrahedron, rolled out.
+    let solid = Solid::regular([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]].map(|f| f.to_vec()).to_vec());
+    let height = 0.75f64.sqrt();
+    let (a, b, c) = (DVec2::ZERO, DVec2::X, DVec2::new(0.5, height));
+    let below = DVec2::new(0.5, -height);
+    let places = [[a, b, c], [a, below, b], [b, DVec2::new(1.5, height), c], [c, DVec2::new(-0.5, height), a]];
+    let rolled = |cut: Cut| {
+        let (flat, owner) = solid.cut(4, cut, 1);
+        flat.with_corners(|f, at| transfer(&solid.outlines[owner[f]], &places[owner[f]], at))
+    };
+    for (what, flat) in cuts(rolled) {
+        flat.check_images(&format!("tetrahedron, {what}"), 12, |at| half_turns(at, b, c));
+    }
+    // 2. Cube and octahedron, unfolded face by face; from vertices, middles of sides, and points.
+    let cube = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let octahedron = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    let solids = [cube.map(|f| f.to_vec()).to_vec(), octahedron.map(|f| f.to_vec()).to_vec()].map(Solid::regular);
+    for (which, solid) in solids.iter().enumerate() {
+        for (cut, rounds) in [(Cut::Regular, 0), (Cut::Irregular, 1), (Cut::Regular, 3)] {
+            let (flat, owner) = solid.cut(4, cut, 1);
+            let (flat, part_of) = flat.shattered(rounds, rounds);
+            let of = |p: &SurfacePoint| (owner[part_of[p.face.index()]], flat.place(p));
+            let middle = flat.mesh.edges().nth(7).unwrap();
+            let h = flat.mesh.half_edge(middle);
+            let mut weights = [0.5; 3];
+            weights[((h.0 + 2) % 3) as usize] = 0.0;
+            let on_side = SurfacePoint { face: flat.mesh.face(h), weights };
+            let points = [flat.at_vertex(VertexId(0)), on_side, flat.at_vertex(VertexId(9)), flat.random_point(5, 3)];
+            for (k, p) in points.iter().enumerate() {
+                flat.check(&format!("solid {which}, {rounds}, {k}"), &[Source::point(*p)], |q| {
+                    // A vertex of the solid belongs to several faces.
+                    let all = solid.same_places(of(p)).into_iter().map(|p| solid.distance(p, of(q)));
+                    vec![all.fold(f64::INFINITY, f64::min)]
+                });
+            }
+        }
+    }
+}
+
+impl Solid {
+    /// A place as all the faces tell it to which it belongs, if it is a vertex.
+    fn same_places(&self, (f, p): (usize, DVec2)) -> Vec<(usize, DVec2)> {
+        let Some(k) = self.outlines[f].iter().position(|c| c.distance(p) < 1e-12) else { return vec![(f, p)] };
+        let of_face = |g: usize| self.faces[g].iter().position(|&v| v == self.faces[f][k]).map(|j| (g, j));
+        (0..self.faces.len()).filter_map(of_face).map(|(g, j)| (g, self.outlines[g][j])).collect()
+    }
+}
+
+/// Distance on a cone from a place, in polar coordinates, to a segment whose ends are less than half a turn apart.
+fn to_segment_on_cone(total: f64, [s, b]: [f64; 2], [p, q]: [[f64; 2]; 2]) -> f64 {
+    let place = |[r, a]: [f64; 2]| r * DVec2::from_angle(a - p[1]);
+    let [from, to] = [place(p), place(q)];
+    let foot = |at: DVec2| {
+        let (d, t) = (to - from, (at - from).dot(to - from) / (to - from).length_squared().max(1e-300));
+        from + d * t.clamp(0.0, 1.0)
+    };
+    // 1. Over the tip.
+    let mut best = s + foot(DVec2::ZERO).length();
+    // 2. Straight, where a place of the segment is less than half a turn away.
+    for turn in -2..=2 {
+        let b = b + f64::from(turn) * total - p[1];
+        for x in [foot(s * DVec2::from_angle(b)), from, to] {
+            let apart = (x.to_angle() - b).abs();
+            if x.length() > 0.0 && apart < PI {
+                best = best.min((x.length() - s).hypot(2.0 * (x.length() * s).sqrt() * (0.5 * apart).sin()));
+            }
+        }
+    }
+    best
+}
+
+#[test]
+fn cones_have_the_distances_of_any_cut_of_them() {
+    for total in [0.7, 2.0, PI, 5.0, TAU - 1e-6, TAU, TAU + 1e-9, TAU + 1e-5, 7.0, 9.5, 15.0] {
+        for (cut, rounds) in [(Cut::Regular, 0), (Cut::Irregular, 1), (Cut::Regular, 3), (Cut::Irregular, 4)] {
+            let (flat, polars) = cone(total, [13, 4], cut, 3);
+            let (flat, part_of) = flat.shattered(rounds, rounds);
+            let polar_of = |face: FaceId, at: DVec2| {
+                let middle = middle_angle(&polars[part_of[face.index()]]);
+                [at.length(), if at.length() > 0.0 { at.to_angle() + middle } else { middle }]
+            };
+            for seed in 0..8 {
+                // The tip, a point, or mixed.
+                let (mut sources, _) = flat.mixed_sources(seed);
+                if seed % 3 == 0 {
+                    sources.push(Source::vertex(VertexId(0)).with_start(0.4).with_label(4));
+                }
+                let pieces: Vec<(u32, f64, [[f64; 2]; 2])> = sources
+                    .iter()
+                    .map(|source| {
+                        let face = match source.shape {
+                            SourceShape::Segment(p, _) | SourceShape::Point(p) => p.face,
+                            SourceShape::Vertex(v) => flat.at_vertex(v).face,
+                        };
+                        (source.label, source.start, flat.place_of(source).map(|at| polar_of(face, at)))
+                    })
+                    .collect();
+                flat.check(&format!("cone of {total}, {rounds}, {seed}"), &sources, |q| {
+                    let q = polar_of(q.face, flat.place(q));
+                    let mut all = vec![f64::INFINITY; 5];
+                    for &(label, start, piece) in &pieces {
+                        let d = start + to_segment_on_cone(total, q, piece);
+                        all[label as usize] = all[label as usize].min(d);
+                    }
+                    all
+                });
+            }
+        }
     }
 }
