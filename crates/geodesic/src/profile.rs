@@ -119,7 +119,7 @@ fn seen_on(pencil: &Pencil, width: f64, [p, q]: [[f64; 2]; 2], length: f64) -> O
 
 /// The two fronts of a segment `p..q` on a line of its face ([Bommes2012] §9, Figure 9.6 a), in the frame of that line.
 ///
-/// They are not widened: the windows of the segment's ends cover the line too, and beside an end that lies on it a longer
+/// They are widened by a share of their distance: beside an end of the segment that lies on the line itself, a longer
 /// front would be too short by as much as it is longer.
 pub(crate) fn fronts(frame: &Frame, p: [f64; 2], q: [f64; 2], start: f64, root: u32) -> [Option<Window>; 2] {
     let ([px, py], [qx, qy]) = (frame.to(p), frame.to(q));
@@ -153,6 +153,9 @@ pub(crate) fn fronts(frame: &Frame, p: [f64; 2], q: [f64; 2], start: f64, root: 
         } else if at_origin < 0.0 {
             return None;
         }
-        (to > from).then(|| Window::linear([from, to], [slope, dx], start + at_origin, root))
+        // Where the front ends at a foot, and not where its distance is zero.
+        let widened = |x: f64| OVERLAP_REL * (at_origin + slope * x).clamp(0.0, frame.length);
+        let interval = [(from - widened(from)).max(0.0), (to + widened(to)).min(frame.length)];
+        (to > from).then(|| Window::linear(interval, [slope, dx], start + at_origin, root))
     })
 }

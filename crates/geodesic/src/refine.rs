@@ -81,6 +81,9 @@ const PERMANENT: f64 = 10.0;
 /// doubles, since ridges are no longer met; at 0 angles of a degree appear.
 const NEEDLE: f64 = 4.0;
 
+/// Windows narrower than this, relative to their edge, are left out.
+const NARROWEST_REL: f64 = 1e-11;
+
 /// Where a vertex lies on the old mesh.
 #[derive(Clone, Copy, Debug)]
 enum Origin {
@@ -263,7 +266,10 @@ impl<'w> Refiner<'w> {
     /// The windows along an edge, counted from `u`.
     fn windows_along(&self, u: u32, v: u32, face: FaceId, [p, q]: [[f64; 2]; 2]) -> Vec<Window> {
         let Some((e, from, to)) = self.on_old_edge(u, v, face) else { return self.field.along(face, p, q) };
-        let windows = self.field.wave.lists.of(e).iter();
+        // Where two fronts begin at one point, rounding may leave room for a window that is far too long, and as narrow
+        // as rounding: places in it are looked up otherwise.
+        let narrow = NARROWEST_REL * self.field.wave.surface.length(e);
+        let windows = self.field.wave.lists.of(e).iter().filter(|w| w.b1 - w.b0 > narrow);
         let (lo, hi) = (from.min(to), from.max(to));
         let clip = |w: &Window| (w.b1 > lo && w.b0 < hi).then(|| w.over(w.b0.max(lo), w.b1.min(hi)));
         if from < to {

@@ -16,9 +16,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// The windows of every edge follow each other, without hole and without jump; on needles rays on both sides of a vertex
-/// may part by 1e-8.
-fn assert_whole(what: &str, mesh: &TriConnectivity, lengths: &EdgeMap<f64>, field: &Field) {
+/// Largest jump between windows, relative to the largest distance.
+const JUMP: f64 = 1e-9;
+/// The same on needles, where rays on both sides of a vertex may part by 1e-8.
+const JUMP_ON_NEEDLES: f64 = 2e-8;
+
+/// The windows of every edge follow each other, without hole and without jump.
+fn assert_whole(what: &str, mesh: &TriConnectivity, lengths: &EdgeMap<f64>, field: &Field, jump_rel: f64) {
     let largest = field.vertex_distances().values().iter().copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
     for e in mesh.edges() {
         let windows: Vec<_> = field.windows(e).collect();
@@ -34,14 +38,14 @@ fn assert_whole(what: &str, mesh: &TriConnectivity, lengths: &EdgeMap<f64>, fiel
         for pair in windows.windows(2) {
             let (gap, jump) = (pair[1].interval[0] - pair[0].interval[1], pair[1].distances[0] - pair[0].distances[1]);
             assert!(gap.abs() <= 1e-6, "{what}: edge {e} has a hole of {gap:.2e}");
-            let allowed = gap.abs() * lengths[e] + 2e-8 * largest;
+            let allowed = gap.abs() * lengths[e] + jump_rel * largest;
             assert!(jump.abs() <= allowed, "{what}: edge {e} has a jump of {:.2e}", jump / largest);
         }
     }
 }
 
 /// Spreads from some vertices and looks at every edge.
-fn check_mesh(what: &str, mesh: &TriConnectivity, lengths: &EdgeMap<f64>) {
+fn check_mesh(what: &str, mesh: &TriConnectivity, lengths: &EdgeMap<f64>, jump_rel: f64) {
     let surface = IntrinsicSurface::new(mesh, lengths).unwrap();
     let mut wave = Wavefront::new(&surface);
     for (k, epsilon) in [0.0, 0.0, 1e-3].into_iter().enumerate() {
@@ -49,7 +53,7 @@ fn check_mesh(what: &str, mesh: &TriConnectivity, lengths: &EdgeMap<f64>) {
         let options = Options { epsilon, ..Options::default() };
         wave.spread(&[Source::vertex(v)], &options, &Progress::none()).unwrap();
         if epsilon == 0.0 {
-            assert_whole(what, mesh, lengths, &wave.field());
+            assert_whole(what, mesh, lengths, &wave.field(), jump_rel);
         }
         // Never above Dijkstra's distances along edges, which are finite exactly where a path leads.
         let (along, field) = (dijkstra(mesh, lengths, v), wave.field());
@@ -103,7 +107,8 @@ fn no_gap_on_odd_surfaces() {
         ("two components", join(&[sphere(1.0, 2), torus(3.0, 0.5, 12, 8)])),
     ];
     for (what, mesh) in cases {
-        check_mesh(what, &mesh, &edge_lengths(&mesh));
+        let has_needles = what.contains("needles") || what == "a pancake";
+        check_mesh(what, &mesh, &edge_lengths(&mesh), if has_needles { JUMP_ON_NEEDLES } else { JUMP });
     }
 }
 
@@ -128,6 +133,7 @@ fn lengths_that_hardly_tell_heights_do_no_harm() {
 
 #[test]
 fn edges_without_length_are_crossed() {
+    let mut checked = 0;
     for seed in 0..40 {
         let mesh = with_noise(&sphere(1.0, 2), 0.1, seed);
         let mut lengths = edge_lengths(&mesh);
@@ -148,9 +154,11 @@ fn edges_without_length_are_crossed() {
         }
         // Not all such lengths are triangles; those that are must work.
         if IntrinsicSurface::new(&mesh, &lengths).is_ok() {
-            check_mesh(&format!("zero lengths {seed}"), &mesh, &lengths);
+            check_mesh(&format!("zero lengths {seed}"), &mesh, &lengths, JUMP_ON_NEEDLES);
+            checked += 1;
         }
     }
+    assert!(checked > 5, "only {checked} of them are surfaces");
     // All of one face.
     let mesh = sphere(1.0, 1);
     let zero = EdgeMap::filled(mesh.edge_count(), 0.0);
@@ -195,7 +203,7 @@ fn broken_models_that_are_surfaces_have_distances() {
         let options = RepairOptions { zero_area_rel: 0.0, ..RepairOptions::default() };
         let Ok(repaired) = repair(&soup, &options) else { continue };
         let mesh = &repaired.mesh;
-        check_mesh(&path.display().to_string(), mesh, &edge_lengths(mesh));
+        check_mesh(&path.display().to_string(), mesh, &edge_lengths(mesh), JUMP_ON_NEEDLES);
         checked += 1;
     }
     assert!(checked > 5, "only {checked} of them are surfaces");
@@ -300,8 +308,11 @@ fn a_subdivided_graph_is_longer_within_its_bound() {
                 }
             }
         }
-        // 3. Each crossing of an exact path is at most half a part from a node, and two lines end there.
-        let part = lengths.values().iter().copied().fold(0.0, f64::max) / PARTS as f64;
+        // 3. Each crossing of an exact path is at most half a part of its edge from a node, and two lines end there.
+        let part = |p: &SurfacePoint| match p.weights.iter().position(|&w| w == 0.0) {
+            Some(k) => lengths[mesh.edge(mesh.face_half_edges(p.face)[(k + 1) % 3])] / PARTS as f64,
+            None => 0.0,
+        };
         for v in mesh.vertices() {
             let (exact, graph) = (wave.field().vertex_distance(v), distance[v.index()]);
             if exact.is_infinite() {
@@ -313,7 +324,7 @@ fn a_subdivided_graph_is_longer_within_its_bound() {
             let mut weights = [0.0; 3];
             weights[(h.0 % 3) as usize] = 1.0;
             let path = wave.field().path_from(&SurfacePoint { face: mesh.face(h), weights }).unwrap().unwrap();
-            let bound = exact + part * path.points.len() as f64 + 1e-12;
+            let bound = exact + path.points.iter().map(part).sum::<f64>() + 1e-12;
             assert!(graph <= bound, "{seed}: vertex {v}: {graph} above {bound}");
         }
     }
