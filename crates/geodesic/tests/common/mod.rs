@@ -11,7 +11,7 @@ use quadloom_mesh::{DVec2, EdgeMap, HalfEdgeId, TriConnectivity, TriMesh, Vertex
 
 /// A pseudo-random number in 0..1.
 pub fn dice(seed: u64, index: u64) -> f64 {
-    0.5 + 0.5 * random(seed, index)
+    random(seed, index)
 }
 
 pub fn cross(a: DVec2, b: DVec2) -> f64 {

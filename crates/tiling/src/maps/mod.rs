@@ -1,0 +1,1 @@
+//! Maps of disk-shaped tiles to the plane.

@@ -1,0 +1,1 @@
+//! Polygonal schemas as words.
