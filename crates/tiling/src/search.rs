@@ -176,7 +176,7 @@ impl Search {
         let mut best = bound;
         let mut closing = None;
         while let Some((d, v)) = self.settle_next() {
-            if 2 * d >= best && closing.is_some() || d >= best {
+            if 2 * d >= best {
                 break;
             }
             let own = self.label[v as usize].class;

@@ -1,1 +1,0 @@
-//! Polygonal schemas as words.
