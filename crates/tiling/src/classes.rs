@@ -11,7 +11,6 @@
 //! it crosses every closed dual curve an even number of times; dual curves that may begin and end at borders tell
 //! classes of borders too.
 
-use crate::cost::FORBIDDEN;
 use crate::cut_surface::{CutSurface, NONE};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -9,7 +9,7 @@ use crate::cut_surface::{CutSurface, Walk};
 use crate::error::TilingError;
 use crate::search::Search;
 use crate::tiling::{RefinedSurface, Tiling};
-use quadloom_mesh::{EdgeMap, Id, Progress, TriMesh, VertexId, topology};
+use quadloom_mesh::{EdgeMap, Progress, TriMesh, VertexId, topology};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 

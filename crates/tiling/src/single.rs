@@ -250,16 +250,16 @@ impl Cutting<'_> {
         if let Some(base) = self.checked_base(options.base)? {
             return Ok((base, Vec::new()));
         }
+        // 1. The first loop.
         let known = classes(&self.surface, &self.units, 0, Borders::Capped, &[]);
-        let fast = self.fast_loop(&known, None)?;
-        if options.search == SearchMode::Fast {
-            return Ok((fast.walk.vertices[0], Vec::new()));
+        let mut first = self.fast_loop(&known, None)?;
+        if options.search == SearchMode::Exact {
+            let mut bases = Bases::on_cut_graph(&self.surface, &known);
+            first =
+                bases.shortest_loop(&self.surface, &self.units, &known.class, &mut self.search, first, self.progress)?;
         }
-        // 1. The shortest loop of all.
-        let mut bases = Bases::on_cut_graph(&self.surface, &known);
-        let first =
-            bases.shortest_loop(&self.surface, &self.units, &known.class, &mut self.search, fast, self.progress)?;
-        // 2. The shortest path from one side of it to the other that ends where it begins.
+        // 2. A path from one side of it to the other that ends where it begins: the shortest one over all its points,
+        //    or over the two where the shortest path of all ends.
         let mut open = Cutting::new(mesh, self.costs, self.progress)?;
         let loop_points: Vec<u32> = first.walk.vertices.clone();
         open.cut_raw_loop(&first.walk)?;
@@ -270,15 +270,23 @@ impl Cutting<'_> {
                 sides.entry(open.surface.point[v as usize]).or_default().push(v);
             }
         }
-        let pairs: Vec<(u32, u32)> = loop_points[1..]
+        let no_way = TilingError::NoWay { what: "a path between the sides of the first loop" };
+        let candidates = match options.search {
+            SearchMode::Exact => loop_points[1..].to_vec(),
+            SearchMode::Fast => {
+                let walk = open.shortest_connection().ok_or(no_way.clone())?.walk;
+                open.surface.points(&[walk.vertices[0], walk.last()])
+            }
+        };
+        let pairs: Vec<(u32, u32)> = candidates
             .iter()
             .filter_map(|p| match sides.get(p).map(Vec::as_slice) {
                 Some(&[a, b]) => Some((a, b)),
                 _ => None,
             })
             .collect();
-        let second = shortest_pair(&open.surface, &self.units, &pairs, &mut self.search, self.progress)?
-            .ok_or(TilingError::NoWay { what: "a path between the sides of the first loop" })?;
+        let second = shortest_pair(&open.surface, &self.units, &pairs, &mut self.search, self.progress)?;
+        let second = second.ok_or(no_way)?;
         let root = open.surface.point[second.walk.vertices[0] as usize];
         // 3. Each is a path of the shortest-path tree there, an edge, and another path.
         let tree = classes(&self.surface, &self.units, root, Borders::Capped, &[]);
@@ -313,7 +321,7 @@ impl Cutting<'_> {
         let ends = self.mesh().ends(edge).map(|v| v.0);
         let s = &mut self.surface;
         let h = s.middle(edge.0);
-        let middle = s.split_edge(h, ends[0], s.origin[h as usize]);
+        s.split_edge(h, ends[0], s.origin[h as usize]);
         let ahead = s.next[h as usize];
         let mut points: Vec<u32> = Vec::new();
         let mut cost = self.costs.values()[edge];

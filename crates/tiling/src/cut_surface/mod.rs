@@ -25,8 +25,6 @@ mod edit;
 mod finish;
 mod push;
 
-pub(crate) use finish::Finished;
-
 use quadloom_mesh::TriMesh;
 
 /// No half-edge, line or vertex.
