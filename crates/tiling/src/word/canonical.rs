@@ -4,8 +4,8 @@
 //! letters are. Holds: replacing every letter of the canonical word by its path gives the border of the first polygon,
 //! up to rotation, in the free group; all curves but borders start at one vertex. Not: curves that are short, or
 //! disjoint before they are pushed apart.
-//! Source: Brahana 1921, in the order of Lazarus et al. 2001: what is finished is never cut again, so that a path
-//! meets each letter only a few times.
+//! Source: Brahana's cut and glue, as topology books have it; differs: what is finished is never cut again, so that
+//! paths do not grow from handle to handle, and the last cross-cap is found by the intersection form modulo 2.
 //!
 //! ```text
 //!   | finished handles | a U b V a⁻¹ X b⁻¹ Y | borders on stalks |
@@ -14,6 +14,7 @@
 
 use super::reduction::Steps;
 use super::{Corner, Invariants, Letter, Operation, Path, Side, VertexClass, Word};
+use std::collections::BTreeSet;
 
 /// The canonical word of a surface and the way to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,17 +43,17 @@ impl Word {
     /// Brings it to the canonical word of its surface.
     ///
     /// # Output     [`Invariants::canonical_word`]; a sphere: the empty word; a disk: c1 d1 c1⁻¹
-    /// # Cost       O(n² log n), and the lengths of the paths, which are O(n) per letter of the reduced word
+    /// # Cost       O(n² log n), and the lengths of the paths: O(n) letters of the reduced word for each
     /// # Guarantees replacing letters by paths gives this word up to rotation, exactly in the free group
-    /// # Source     [Brahana1921]; the order of steps is that of [Lazarus2001] §4; differs: by cut and glue on words
+    /// # Source     Brahana 1921; for meshes Lazarus et al. 2001
     pub fn canonical_form(&self) -> CanonicalForm {
         let borders = self.invariants().borders;
         let mut steps = Steps::new(self);
         steps.contract_all(usize::from(borders > 0));
         if borders > 0 {
             steps.take_base_inside();
-            while let Some((stalk, border)) = steps.crowded_border() {
-                steps.clear_border(stalk, border);
+            while let Some(stalk) = steps.crowded_border() {
+                steps.clear_border(stalk);
             }
             steps.start_inside();
             steps.gather_borders();
@@ -62,7 +63,7 @@ impl Word {
         while start < end {
             start += steps.finish_block(start, end);
         }
-        steps.name_letters(end);
+        steps.name_letters();
         let letters = steps.word.letters().into_iter().map(|l| (l, steps.path(l))).collect();
         let invariants = steps.word.invariants();
         CanonicalForm { word: steps.word, operations: steps.operations, letters, invariants }
@@ -74,25 +75,25 @@ impl Steps {
     /// Makes a vertex inside the surface if there is none: d becomes c d c⁻¹ for one border.
     fn take_base_inside(&mut self) {
         let vertices = self.word.vertices();
-        let partners = self.word.partners();
-        if let (true, Some(k)) =
-            (vertices.iter().all(|v| vertices.is_border(v)), partners.iter().position(Option::is_none))
-        {
+        if vertices.iter().any(|v| !vertices.is_border(v)) {
+            return;
+        }
+        if let Some(k) = self.word.partners().iter().position(Option::is_none) {
             let letter = self.new_letter();
             self.apply(Operation::Expand { letter, from: Corner::at(k), to: Corner::at(k + 1) });
         }
     }
 
-    /// A border where more ends than its own letter and one stalk: a side from inside to it, and its vertex.
-    fn crowded_border(&self) -> Option<(Side, VertexClass)> {
+    /// A side from inside to a border at which more ends than the border's letter and one stalk.
+    fn crowded_border(&self) -> Option<Side> {
         let vertices = self.word.vertices();
         (0..self.word.len()).find_map(|k| {
             let [tail, head] = vertices.letter_ends(&self.word, k);
             let is_crowded = |v: VertexClass| vertices.is_border(v) && vertices.corner_count(v) > 2;
             let stalk = Side::forward(self.word.sides()[k].letter);
             match [tail, head].map(|v| vertices.is_border(v)) {
-                [false, true] if is_crowded(head) => Some((stalk, head)),
-                [true, false] if is_crowded(tail) => Some((stalk.inverted(), tail)),
+                [false, true] if is_crowded(head) => Some(stalk),
+                [true, false] if is_crowded(tail) => Some(stalk.inverted()),
                 _ => None,
             }
         })
@@ -102,10 +103,8 @@ impl Steps {
     ///
     /// One end per step: the neighbour y of the stalk s at its head becomes s y. The stalk's neighbours are then the
     /// border's letter on both sides: s d s⁻¹.
-    fn clear_border(&mut self, stalk: Side, border: VertexClass) {
-        debug_assert!(self.word.vertices().is_border(border));
-        while let Some((from, along)) = self.neighbour_at_head(stalk) {
-            let mut from = from;
+    fn clear_border(&mut self, stalk: Side) {
+        while let Some((mut from, along)) = self.neighbour_at_head(stalk) {
             if from + 2 > self.word.len() {
                 self.apply(Operation::Rotate { first: Corner::at(from) });
                 from = 0;
@@ -230,14 +229,10 @@ impl Steps {
     }
 
     /// Gives letters 0, 1, … in the order in which they are met first, each forwards.
-    fn name_letters(&mut self, end: usize) {
-        debug_assert!(end <= self.word.len());
-        let mut letters: Vec<(Letter, Side)> = Vec::new();
-        for &side in self.word.sides() {
-            if letters.iter().all(|(_, old)| old.letter != side.letter) {
-                letters.push((Letter(letters.len() as u32), side));
-            }
-        }
+    fn name_letters(&mut self) {
+        let mut met: BTreeSet<Letter> = BTreeSet::new();
+        let firsts: Vec<Side> = self.word.sides().iter().copied().filter(|s| met.insert(s.letter)).collect();
+        let letters: Vec<(Letter, Side)> = (0..).map(Letter).zip(firsts).collect();
         if letters.iter().any(|&(new, old)| old != Side::forward(new)) {
             self.apply(Operation::Reletter { letters });
         }

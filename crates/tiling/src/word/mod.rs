@@ -3,12 +3,13 @@
 //! In: a polygon whose sides carry letters; sides with equal letters are glued. Out: what surface that is, the fewest
 //! sides and the canonical word it can be brought to, the operations that do so, and every new letter as a path of
 //! old ones. Holds: all of it is exact and combinatorial; every word with no letter more than twice is a surface.
-//! Not: short paths; they are those of the operations, at most linear in the number of sides each.
-//! Source: Favreau et al. 2009 §3.3.1; Lazarus et al. 2001; the operations are those of Brahana 1921.
+//! Not: short paths; they are those of the operations, and meet every letter of the reduced word a few times.
+//! Source: Favreau et al. 2009 §3.3.1; the operations are those of Brahana 1921.
 //!
 //! ```text
-//!             side k: letter x              x: tail ──▶ head, of the polygon's left border walked forwards
-//!   corner k ──────────▶ corner k+1         x⁻¹ at side k: its tail is corner k+1, its head corner k
+//!               side k
+//!   corner k ──────────────▶ corner k+1     x at side k:   tail corner k, head corner k+1
+//!                                           x⁻¹ at side k: tail corner k+1, head corner k
 //! ```
 //!
 //! | book | here | meaning |

@@ -12,7 +12,7 @@
 //! ```
 
 use super::{Corner, Letter, Path, Side, Word, WordError, inverted};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A step from one word of a surface to another.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -88,15 +88,15 @@ impl Operation {
     ///              ends were one vertex.
     /// # Errors     those of [`Operation::apply`]
     pub fn new_letters(&self, word: &Word) -> Result<Vec<(Letter, Path)>, WordError> {
-        let next = self.apply(word)?;
-        Ok(self.changes(word, &next))
+        self.apply(word)?;
+        Ok(self.changes(word))
     }
 
-    /// The changed letters of an operation that has been done.
-    pub(crate) fn changes(&self, word: &Word, next: &Word) -> Vec<(Letter, Path)> {
+    /// The changed letters of an operation that is a right one.
+    pub(crate) fn changes(&self, word: &Word) -> Vec<(Letter, Path)> {
         match self {
             Self::Rotate { .. } | Self::Cancel { .. } => Vec::new(),
-            Self::Contract { side } => drawn_back(word, next, *side),
+            Self::Contract { side } => drawn_back(word, *side),
             Self::Expand { letter, .. } => vec![(*letter, Path::default())],
             Self::CutAndGlue { from, to, cut, .. } => {
                 vec![(*cut, Path::new(word.sides()[from.index()..to.index()].iter().copied()))]
@@ -139,7 +139,7 @@ fn contract(word: &Word, side: Side) -> Result<Word, WordError> {
 }
 
 /// The letters that ended where a contracted side's head was: they go back along it.
-fn drawn_back(word: &Word, next: &Word, side: Side) -> Vec<(Letter, Path)> {
+fn drawn_back(word: &Word, side: Side) -> Vec<(Letter, Path)> {
     let vertices = word.vertices();
     let Some(first) = word.positions(side.letter).next() else { return Vec::new() };
     let moved = vertices.letter_ends(word, first)[usize::from(!side.inverse)];
@@ -154,7 +154,6 @@ fn drawn_back(word: &Word, next: &Word, side: Side) -> Vec<(Letter, Path)> {
             changed.push((letter, Path::new(before.into_iter().chain([Side::forward(letter)]).chain(after))));
         }
     }
-    debug_assert!(next.len() < word.len());
     changed
 }
 
@@ -218,7 +217,7 @@ fn cut_and_glue(word: &Word, from: Corner, to: Corner, cut: Letter, along: Lette
 
 /// Renames the letters.
 fn reletter(word: &Word, letters: &[(Letter, Side)]) -> Result<Word, WordError> {
-    let mut names: std::collections::BTreeMap<Letter, Side> = std::collections::BTreeMap::new();
+    let mut names: BTreeMap<Letter, Side> = BTreeMap::new();
     let mut used: BTreeSet<Letter> = BTreeSet::new();
     for &(new, old) in letters {
         if !used.insert(new) || names.insert(old.letter, Side { letter: new, inverse: old.inverse }).is_some() {

@@ -28,7 +28,7 @@ impl Word {
     /// # Cost       O(n² log n)
     /// # Guarantees every letter is a path along letters of the first word, through each of its vertices at most
     ///              once before and once after that letter; a border's letter is the ring of its sides
-    /// # Source     [Favreau2009] §3.3.1
+    /// # Source     Favreau et al. 2009 §3.3.1
     pub fn reduced(&self) -> Reduction {
         let mut steps = Steps::new(self);
         steps.contract_all(0);
@@ -70,7 +70,7 @@ impl Steps {
     /// Does a step.
     pub(super) fn apply(&mut self, operation: Operation) {
         let next = operation.apply(&self.word).expect("every step of a reduction is a right one");
-        let changed = operation.changes(&self.word, &next);
+        let changed = operation.changes(&self.word);
         let paths: Vec<(Letter, Path)> =
             changed.into_iter().map(|(letter, path)| (letter, path.replaced(&self.paths))).collect();
         self.paths.extend(paths);

@@ -23,11 +23,12 @@ impl Vertices {
         self.is_border.len()
     }
 
-    /// The vertex of a corner; the last corner is the first again.
-    ///
-    /// # Errors     none; a corner beyond the polygon panics
+    /// The vertex of a corner; corners are counted around, and all of the empty word are its only vertex.
     pub fn at(&self, corner: Corner) -> VertexClass {
-        self.of_corner[corner.index() % self.of_corner.len()]
+        match self.of_corner.len() {
+            0 => VertexClass(0),
+            n => self.of_corner[corner.index() % n],
+        }
     }
 
     /// Whether a vertex lies on the border.
@@ -101,9 +102,10 @@ impl Invariants {
     /// The name of a letter of the canonical word: a1 b1 a2 … for handles, a1 a2 … for cross-caps, c1 d1 c2 … for
     /// borders.
     pub fn name(&self, letter: Letter) -> String {
+        let of_pair = |names: [char; 2], k: u32| format!("{}{}", names[(k % 2) as usize], k / 2 + 1);
         match letter.0.checked_sub(self.loop_count()) {
-            Some(k) => format!("{}{}", if k % 2 == 0 { 'c' } else { 'd' }, k / 2 + 1),
-            None if self.is_orientable => format!("{}{}", if letter.0 % 2 == 0 { 'a' } else { 'b' }, letter.0 / 2 + 1),
+            Some(k) => of_pair(['c', 'd'], k),
+            None if self.is_orientable => of_pair(['a', 'b'], letter.0),
             None => format!("a{}", letter.0 + 1),
         }
     }
@@ -149,9 +151,8 @@ impl Word {
     pub fn invariants(&self) -> Invariants {
         let partners = self.partners();
         let glued = partners.iter().flatten().count();
-        let is_turned = |(k, m): (usize, &Option<usize>)| {
-            m.is_some_and(|m| self.sides()[k].inverse == self.sides()[m].inverse)
-        };
+        let is_turned =
+            |(k, m): (usize, &Option<usize>)| m.is_some_and(|m| self.sides()[k].inverse == self.sides()[m].inverse);
         Invariants {
             vertices: self.vertices().count(),
             edges: glued / 2 + self.len() - glued,
