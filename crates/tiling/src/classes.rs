@@ -34,8 +34,10 @@ pub(crate) struct Classes {
     pub parent: Vec<(u32, u32)>,
 }
 
-/// An edge counts as this much for trees if no cut may run there.
-const BARRIER: u64 = 1 << 44;
+/// What an edge counts for trees if no cut may run there: as much as all others together.
+const BARRIER: u64 = 1 << 62;
+/// Longer distances count as this one; only paths across barriers are that long.
+const FARTHEST: u64 = u64::MAX - 1;
 
 /// Classes, trees and closing edges of the component of `root`.
 ///
@@ -108,7 +110,7 @@ impl Tree {
             }
             tree.reached.push(v);
             s.for_edges(v, |h, w| {
-                let through = d.saturating_add(cost_of(s, units, h).min(BARRIER));
+                let through = d.saturating_add(cost_of(s, units, h).min(BARRIER)).min(FARTHEST);
                 if through < tree.distance[w as usize] {
                     tree.distance[w as usize] = through;
                     tree.parent[w as usize] = (v, h);

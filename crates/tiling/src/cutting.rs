@@ -171,22 +171,28 @@ impl<'a> Cutting<'a> {
     /// Cuts along a loop in C.
     pub(crate) fn cut_loop(&mut self, walk: &Walk) -> Result<(), TilingError> {
         let cost = self.cost_of_walk(walk);
-        // It begins on an edge inside C, at a new vertex that is surely free.
+        // It begins on an edge inside C, at a new vertex that is surely free; a border is pulled off as a whole.
         let s = &mut self.surface;
         let n = walk.edges.len();
-        let free = (0..n).find(|&i| !s.is_border(walk.edges[i])).ok_or(TilingError::Fault { what: "a loop is a border" })?;
-        let (from, to) = (walk.vertices[free], walk.vertices[free + 1]);
-        let edge = s.leaving(walk.edges[free], from).ok_or(TilingError::Fault { what: "a loop leaves the surface" })?;
-        let base = s.base_of(from);
-        let middle = s.split_edge(edge, base, from);
-        let mut opened = Walk::start(middle);
-        // edge: from → middle; the rest of it leaves the middle.
-        opened.push(s.next[edge as usize], to);
-        for k in 1..n {
-            let i = (free + k) % n;
-            opened.push(walk.edges[i], walk.vertices[i + 1]);
-        }
-        opened.push(edge, middle);
+        let opened = match (0..n).find(|&i| !s.is_border(walk.edges[i])) {
+            None => walk.clone(),
+            Some(free) => {
+                let (from, to) = (walk.vertices[free], walk.vertices[free + 1]);
+                let leaves = TilingError::Fault { what: "a loop leaves the surface" };
+                let edge = s.leaving(walk.edges[free], from).ok_or(leaves)?;
+                let base = s.base_of(from);
+                let middle = s.split_edge(edge, base, from);
+                let mut opened = Walk::start(middle);
+                // edge: from → middle; the rest of it leaves the middle.
+                opened.push(s.next[edge as usize], to);
+                for k in 1..n {
+                    let i = (free + k) % n;
+                    opened.push(walk.edges[i], walk.vertices[i + 1]);
+                }
+                opened.push(edge, middle);
+                opened
+            }
+        };
         let points = s.cut_walk(&opened)?;
         self.cuts.push(Cut { kind: CutKind::Loop, cost, points });
         Ok(())

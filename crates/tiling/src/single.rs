@@ -331,6 +331,10 @@ impl Cutting<'_> {
             let [a, b] = [s.origin[first as usize], s.target(first)];
             let (middle, start) = if end == ends[0] { (b, a) } else { (a, b) };
             let path = path_to_root(self.mesh(), tree, end);
+            let blocked = |&(_, e): &(u32, u32)| e != NONE && !self.allowed(e as usize);
+            if path.iter().any(blocked) || !self.allowed(edge.0 as usize) {
+                return Err(TilingError::NoWay { what: "a loop through the base point" });
+            }
             let back = self.follow_tree(start, middle, &path, root)?;
             cost += self.cost_of_walk(&back);
             let mut walk = Walk::start(middle);

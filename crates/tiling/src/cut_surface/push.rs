@@ -37,18 +37,20 @@ struct Touch {
 }
 
 impl CutSurface<'_> {
-    /// Pulls a walk off the border; its ends stay.
+    /// Pulls a walk off the border; its ends stay, but for a loop that begins on the border: it is pulled off there too.
     ///
     /// # Output     half-edges inside C from its start to its end
     pub fn pull_off(&mut self, walk: &Walk) -> Result<Vec<u32>, Lost> {
         let last = walk.edges.len();
         // 1. On which side the surface is, wherever the walk touches the border.
-        let touches: Vec<Touch> = (0..=last)
+        let is_loop = walk.vertices[0] == walk.vertices[last] && self.on_border(walk.vertices[0]);
+        let mut touches: Vec<Touch> = (0..last)
             .map(|i| {
-                let touched = i > 0 && i < last && self.on_border(walk.vertices[i]);
+                let touched = (i > 0 || is_loop) && self.on_border(walk.vertices[i]);
                 if touched { self.touch(walk, i) } else { Ok(Touch { lane: Lane::On, crossed: Vec::new() }) }
             })
             .collect::<Result<_, _>>()?;
+        touches.push(Touch { lane: if is_loop { touches[0].lane } else { Lane::On }, crossed: Vec::new() });
         // 2. Points on the edges to be crossed, and how they are reached.
         let mut steps: Vec<(Link, u32)> = Vec::new();
         let mut link = Link::Edge(u32::MAX);
@@ -87,6 +89,10 @@ impl CutSurface<'_> {
                 }
             };
         }
+        if is_loop {
+            let first = steps.first().ok_or(Lost("a loop has no room beside the border"))?.1;
+            steps.push((link, first));
+        }
         // 3. Chords between them.
         let mut pulled = Vec::with_capacity(steps.len());
         for pair in steps.windows(2) {
@@ -114,7 +120,8 @@ impl CutSurface<'_> {
             let arriving = self.prev[fan[fan.len() - 1] as usize];
             found.or((edge == arriving).then_some(fan.len())).ok_or(Lost("a walk's edge is not at its vertex"))
         };
-        let (from, to) = (index(walk.edges[i - 1])?, index(walk.edges[i])?);
+        let before = if i == 0 { walk.edges.len() - 1 } else { i - 1 };
+        let (from, to) = (index(walk.edges[before])?, index(walk.edges[i])?);
         Ok(if to < from {
             Touch { lane: Lane::Left, crossed: fan[to + 1..from].iter().rev().copied().collect() }
         } else {
