@@ -255,20 +255,12 @@ impl Cutting<'_> {
         let label: BTreeMap<u32, u64> = sources.iter().copied().collect();
         let pair = [nearest.walk.vertices[0], nearest.walk.last()].map(|v| label.get(&v).copied());
         let mut seams = vec![self.seam(&nearest.walk)?];
-        // The others, by their points: borders change as they are joined.
+        // The others, by their half-edges: borders change as they are joined, and two sides of a cut share points.
         let others: Vec<usize> = (0..piece.borders.len()).filter(|&k| !pair.contains(&Some(k as u64))).collect();
-        let mut group: BTreeMap<u32, u64> = BTreeMap::new();
-        for &k in &others {
-            for &h in &piece.borders[k] {
-                let v = self.surface.origin[h as usize];
-                group.insert(self.surface.point[v as usize], k as u64);
-            }
-        }
+        let group: BTreeSet<u32> = others.iter().flat_map(|&k| piece.borders[k].iter().copied()).collect();
         for _ in 1..others.len() {
             let borders = self.piece(piece.vertices[0]).borders;
-            let is_other = |border: &&Vec<u32>| {
-                border.iter().any(|&h| group.contains_key(&self.surface.point[self.surface.origin[h as usize] as usize]))
-            };
+            let is_other = |border: &&Vec<u32>| border.iter().any(|h| group.contains(h));
             let chosen: Vec<Vec<u32>> = borders.iter().filter(is_other).cloned().collect();
             let sources = self.border_sources(&chosen);
             match self.search.connect(&self.surface, &self.units, &sources, u64::MAX) {
@@ -300,15 +292,16 @@ impl Cutting<'_> {
             .iter()
             .enumerate()
             .flat_map(|(k, border)| border.iter().map(move |&h| (h, k)))
-            .map(|(h, k)| (self.surface.point[self.surface.origin[h as usize] as usize], k))
             .collect();
         let mut seams = Vec::new();
         for (a, b) in [(0, 1), (1, 2), (2, 0)] {
             let piece = self.piece(self.surface.origin[pants.borders[0][0] as usize]);
             let s = &self.surface;
-            let ends = |v: u32| border_of.get(&s.point[v as usize]).copied().filter(|k| [a, b].contains(k));
-            let vertices = piece.borders.iter().flatten().map(|&h| s.origin[h as usize]);
-            let sources: Vec<(u32, u64)> = vertices.filter_map(|v| ends(v).map(|k| (v, k as u64))).collect();
+            let end = |&h: &u32| {
+                let border = border_of.get(&h).copied().filter(|k| [a, b].contains(k));
+                border.map(|k| (s.origin[h as usize], k as u64))
+            };
+            let sources: Vec<(u32, u64)> = piece.borders.iter().flatten().filter_map(end).collect();
             let found = self.search.connect(s, &self.units, &sources, u64::MAX);
             let found = found.ok_or(TilingError::NoWay { what: "a seam between two boundaries of pants" })?;
             seams.push(self.seam(&found.walk)?);
