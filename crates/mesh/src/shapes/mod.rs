@@ -4,6 +4,13 @@
 //! resolutions below the smallest sensible one are raised to it. Sizes must be finite and positive. Units: those of the given sizes.
 //! Source: elementary solids; Loop subdivision [Loop1987].
 
+mod draft;
+mod genus;
+mod random;
+
+pub use genus::{genus_series, many_holes};
+pub use random::{random_genus, small_random};
+
 use crate::ids::{EdgeId, EdgeMap, VertexId, VertexMap};
 use crate::mesh::TriMesh;
 use crate::union_find::UnionFind;
@@ -16,6 +23,8 @@ const SAMPLES: &[(&str, &str)] = &[
     ("torus", "torus of radii 1 and 0.4"),
     ("genus2", "smooth surface of genus 2"),
     ("genus3", "smooth surface of genus 3"),
+    ("genus4", "smooth surface of genus 4, a plate with a row of holes"),
+    ("holes", "plate with 7 by 7 round holes, genus 49"),
     ("lattice", "smoothed lattice of 3 by 3 by 3 bars, genus 28"),
     ("cube", "cube with sharp edges"),
     ("cylinder", "open tube, two boundary loops"),
@@ -40,6 +49,8 @@ pub fn sample(name: &str) -> Option<TriMesh> {
         "torus" => torus(1.0, 0.4, 96, 48),
         "genus2" => smooth_genus(2, 3),
         "genus3" => smooth_genus(3, 3),
+        "genus4" => genus_series(4, 0),
+        "holes" => many_holes(49, 8000),
         "lattice" => lattice(3, 2),
         "cube" => cube(1.0, 24),
         "cylinder" => cylinder(1.0, 3.0, 72, 36),
@@ -234,9 +245,7 @@ fn count(length: f64, step: f64, least: u32) -> u32 {
 
 /// Closed smooth surface of a genus: a slab with a row of holes, Loop-subdivided `levels` times (at most 6).
 pub fn smooth_genus(genus: u32, levels: u32) -> TriMesh {
-    let length = 2 * genus as usize + 1;
-    let solid = voxel_surface([length.max(3), 3, 1], |[x, y, _]| !(y == 1 && x % 2 == 1 && genus > 0));
-    loop_subdivided(solid, levels)
+    loop_subdivided(genus::row_of_holes(genus, 1), levels)
 }
 
 /// Closed smooth lattice of `bars` bars a direction; its genus is the number of independent loops of its graph,
@@ -358,6 +367,34 @@ pub fn random(seed: u64, index: u64) -> f64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// Random numbers, one after the other.
+struct Dice {
+    seed: u64,
+    thrown: u64,
+}
+
+impl Dice {
+    fn new(seed: u64) -> Self {
+        Self { seed, thrown: 0 }
+    }
+
+    /// A number in 0..1.
+    fn number(&mut self) -> f64 {
+        self.thrown += 1;
+        random(self.seed, self.thrown - 1)
+    }
+
+    /// A number between `low` and `high`.
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.number()
+    }
+
+    /// A whole number below `n`.
+    fn below(&mut self, n: usize) -> usize {
+        (self.number() * n as f64) as usize
+    }
 }
 
 /// Several meshes as one, in their order.
@@ -505,11 +542,28 @@ fn weld(points: &[DVec3], tolerance: f64) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::features::{FeatureGraph, FeatureOptions};
+    use crate::metric::{corner_angles, edge_lengths};
     use crate::topology::Summary;
 
     /// Enclosed volume: positive if the faces look outwards.
     fn volume(mesh: &TriMesh) -> f64 {
         mesh.faces().map(|f| mesh.vector_area(f).dot(mesh.position(mesh.face_vertices(f)[0])) / 3.0).sum()
+    }
+
+    /// Asserts a closed, connected mesh of a genus whose faces have areas and look outwards.
+    pub(super) fn check_closed(mesh: &TriMesh, genus: u32) {
+        let s = Summary::of(mesh.connectivity());
+        assert_eq!((s.components, s.boundary_loops, s.genus), (1, 0, i64::from(genus)), "{s:?}");
+        assert_eq!(s.chi, 2 - 2 * i64::from(genus));
+        let smallest = mesh.faces().map(|f| mesh.vector_area(f).length()).fold(f64::INFINITY, f64::min);
+        assert!(smallest > 0.0, "a face has no area: {s:?}");
+        assert!(volume(mesh) > 0.0, "turned inside out: {s:?}");
+    }
+
+    /// Smallest angle of all faces, degrees.
+    pub(super) fn smallest_angle(mesh: &TriMesh) -> f64 {
+        let angles = corner_angles(mesh.connectivity(), &edge_lengths(mesh));
+        angles.values().iter().fold(PI, |smallest, &a| smallest.min(a)).to_degrees()
     }
 
     #[test]
@@ -520,6 +574,8 @@ mod tests {
             ("torus", 1, 0, 1),
             ("genus2", 1, 0, 2),
             ("genus3", 1, 0, 3),
+            ("genus4", 1, 0, 4),
+            ("holes", 1, 0, 49),
             ("lattice", 1, 0, 28),
             ("cube", 1, 0, 0),
             ("cylinder", 1, 2, 0),
