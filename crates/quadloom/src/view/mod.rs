@@ -16,4 +16,7 @@ pub use histogram::{Bins, Histogram, quad_histograms, scaled_jacobian, scaled_ja
 pub use isolines::{UvIsolines, isolines};
 pub use layers::{boundary_lines, crosses, feature_lines, irregular_vertices, seams};
 pub use page::render_html;
-pub use scene::{Cross, DistanceLayer, Polyline, QuadLayer, Scene, Segment, Singularity, SurfaceLayer};
+pub use scene::{
+    Cross, DistanceLayer, Polyline, QuadLayer, Scene, Segment, Singularity, SurfaceLayer, TileLayer, UnfoldedSide,
+    UnfoldedTile,
+};

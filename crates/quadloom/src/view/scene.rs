@@ -5,7 +5,7 @@
 
 use super::histogram::Histogram;
 use super::isolines::UvIsolines;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A straight piece of a line layer, file units.
 pub type Segment = [DVec3; 2];
@@ -21,6 +21,8 @@ pub struct Scene {
     pub quads: Option<QuadLayer>,
     /// A distance on the input's vertices.
     pub distance: Option<DistanceLayer>,
+    /// A tiling of the input.
+    pub tiles: Option<TileLayer>,
     /// Irregular vertices of the quads, or singular vertices of the field where there are no quads.
     pub singularities: Vec<Singularity>,
     /// Feature curves.
@@ -63,6 +65,43 @@ pub struct DistanceLayer {
     pub sources: Vec<Polyline>,
     /// Where shortest paths meet.
     pub cut_locus: Vec<Polyline>,
+}
+
+/// A tiling of the input surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TileLayer {
+    /// Tile of every triangle of the input.
+    pub tile: Vec<u32>,
+    /// Texture coordinates of the corners of every triangle; empty where tiles were not mapped.
+    pub uv: Vec<[DVec2; 3]>,
+    /// Cuts: the arcs that are not the surface's boundary.
+    pub cuts: Vec<Polyline>,
+    /// Where cuts meet.
+    pub multipoints: Vec<DVec3>,
+    /// Tiles unfolded to the plane, in their order.
+    pub unfolded: Vec<UnfoldedTile>,
+}
+
+/// A tile as a polygon (or an annulus and so on: one ring per boundary) in the plane.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct UnfoldedTile {
+    /// Name of the tile and, for one tile, its word.
+    pub name: String,
+    /// One per boundary.
+    pub rings: Vec<Vec<UnfoldedSide>>,
+}
+
+/// A side of an unfolded tile.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct UnfoldedSide {
+    /// Letter of its arc.
+    pub label: String,
+    /// Number of its arc: sides of one arc have one colour.
+    pub arc: u32,
+    /// Whether it runs against its arc.
+    pub reversed: bool,
+    /// Whether it lies on the surface's boundary.
+    pub border: bool,
 }
 
 /// A quad mesh with one quality per quad.
