@@ -2,6 +2,7 @@
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use quadloom::distance::{From, Lines};
+use quadloom::tile::Cost;
 use std::path::PathBuf;
 
 /// Turns any surface into quadrilaterals.
@@ -32,6 +33,9 @@ pub enum Verb {
     /// Measure exact geodesic distances on a surface from vertices, points and curves
     #[command(after_help = "Example: quadloom distance sample:bracket --from features -o bracket.csv --isolines 20")]
     Distance(Box<DistanceArgs>),
+    /// Cut a surface into a disk, a polygonal schema, quadrangles, pants or cylinders
+    #[command(after_help = "Example: quadloom tile sample:genus2 --into quads -o tiles.obj --view tiles.html")]
+    Tile(Box<TileArgs>),
     /// Say whether a file is a surface, or a valid quad mesh, and what cures its defects
     #[command(after_help = "Example: quadloom check bracket.obj --reference sample:bracket")]
     Check(CheckArgs),
@@ -247,6 +251,106 @@ pub struct DistanceArgs {
     /// How the run behaves.
     #[command(flatten)]
     pub run: RunArgs,
+}
+
+/// Arguments of `tile`.
+#[derive(Args)]
+#[command(allow_negative_numbers = true)]
+pub struct TileArgs {
+    /// The surface: a file or sample:NAME
+    pub input: String,
+    /// Into what: one disk; the polygon with the fewest sides; quadrangles, 2g-1 of a closed surface of genus g; pairs of
+    /// pants; three cylinders of each
+    #[arg(long, value_enum, default_value_t = IntoArg::Disk)]
+    pub into: IntoArg,
+    /// Where the tiles go: .obj, a group for each tile, cuts as l lines
+    #[arg(short, long, value_name = "FILE.obj")]
+    pub output: PathBuf,
+    /// How one tile is made: shortest loops, then shortest connections; all loops through one point (closed surfaces);
+    /// or connections between as few points as possible [default: single-point for the schema and quadrangles of a
+    /// closed surface, intermediate if it has a boundary, else shortest]
+    #[arg(long, value_enum)]
+    pub method: Option<CuttingArg>,
+    /// How far shortest loops and diagonals are looked for: from all base points and corners, or from one
+    #[arg(long, value_enum, default_value_t = SearchArg::Fast)]
+    pub search: SearchArg,
+    /// What a cut costs: euclidean (its length), curvature:C (less where the surface bends, C from 0 to 1) or
+    /// attribute:NAME (its length times a vertex attribute of a .ply)
+    #[arg(long, default_value_t = Cost::Euclidean)]
+    pub cost: Cost,
+    /// How the diagonals of quadrangles are chosen: the shortest again and again, or all together
+    #[arg(long, value_enum, default_value_t = DiagonalsArg::Optimal)]
+    pub diagonals: DiagonalsArg,
+    /// Base point of single-point cuttings and of the fast search: a vertex of the input, from 0
+    #[arg(long, value_name = "VERTEX")]
+    pub base: Option<u32>,
+    /// No cut runs through vertices where this vertex attribute of a .ply is not 0
+    #[arg(long, value_name = "NAME")]
+    pub forbid: Option<String>,
+    /// Cut along these edges instead: .sharp, .obj (l lines) or a text of vertex pairs; what they leave must be disks
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["method", "base"])]
+    pub cut: Option<PathBuf>,
+
+    /// Write nodes, arcs, tiles and words as JSON
+    #[arg(long, value_name = "FILE.json", help_heading = "Also write")]
+    pub layout: Option<PathBuf>,
+    /// Write the tilings before the first cut and after each one to this folder, as step_000.obj, step_000.json, …
+    #[arg(long, value_name = "FOLDER", help_heading = "Also write")]
+    pub steps: Option<PathBuf>,
+    /// Write everything measured as JSON
+    #[arg(long, value_name = "FILE.json", help_heading = "Also write")]
+    pub report: Option<PathBuf>,
+    /// Draw tiles, cuts, multipoints and the unfolded polygons in one self-contained page
+    #[arg(long, value_name = "FILE.html", help_heading = "Also write")]
+    pub view: Option<PathBuf>,
+
+    /// How the run behaves.
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// `--into`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum IntoArg {
+    /// One disk
+    Disk,
+    /// The polygon with the fewest sides
+    Schema,
+    /// Quadrangles
+    Quads,
+    /// Pairs of pants
+    Pants,
+    /// Cylinders
+    Cylinders,
+}
+
+/// `--method`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CuttingArg {
+    /// Shortest loops, then shortest connections
+    Shortest,
+    /// All loops through one point
+    SinglePoint,
+    /// Shortest loops, then connections between few points
+    Intermediate,
+}
+
+/// `--search`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SearchArg {
+    /// From all base points and corners
+    Exact,
+    /// From one base point, and from all corners at once
+    Fast,
+}
+
+/// `--diagonals`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DiagonalsArg {
+    /// The shortest again and again
+    Greedy,
+    /// The smallest total
+    Optimal,
 }
 
 /// Arguments of `check`.

@@ -21,6 +21,7 @@ fn main() -> ExitCode {
         Verb::Remesh(args) => commands::remesh::run(&args),
         Verb::Field(args) => commands::field::run(&args),
         Verb::Distance(args) => commands::distance::run(&args),
+        Verb::Tile(args) => commands::tile::run(&args),
         Verb::Check(args) => commands::check::run(&args),
         Verb::Stats(args) => commands::stats::run(&args),
         Verb::Convert(args) => commands::convert::run(&args),

@@ -90,6 +90,13 @@ pub fn write_atomically(path: &Path, content: impl FnOnce(&mut dyn Write) -> io:
     batch.commit()
 }
 
+/// Makes a folder, unless it is there; its parent must be.
+///
+/// # Errors     `NoFolder`, `WriteDenied`, `Unwritable`
+pub fn ensure_folder(path: &Path) -> Result<(), IoError> {
+    if path.is_dir() { Ok(()) } else { fs::create_dir(path).map_err(|e| IoError::writing(path, e)) }
+}
+
 /// Finds out whether a file can be written, before there is anything to write: a temporary file is made beside it and
 /// dropped.
 ///

@@ -22,7 +22,7 @@ mod text;
 mod triangulate;
 mod vtu;
 
-pub use atomic::{Batch, check_writable, write_atomically};
+pub use atomic::{Batch, check_writable, ensure_folder, write_atomically};
 pub use curves::{CurveFile, CurvePoint, read_curves};
 pub use error::{ContentDefect, IoError, Place};
 pub use features::{

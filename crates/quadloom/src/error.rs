@@ -41,6 +41,14 @@ pub enum RemeshError {
     /// Distances cannot be measured on the surface, or not from these sources.
     #[error(transparent)]
     Geodesic(quadloom_geodesic::GeodesicError),
+    /// A surface cannot be cut into the tiles that were asked for.
+    #[error("{}{error}", component_name(.component))]
+    Tiling {
+        /// Number of the component and its first face, where there are several.
+        component: Option<(usize, u32)>,
+        /// Why.
+        error: quadloom_tiling::TilingError,
+    },
     /// A piece of the input has no area.
     #[error(
         "{faces} faces form a piece without area (first: face {first}); delete them, or check the units and the \
@@ -119,6 +127,10 @@ pub enum RemeshError {
     Cancelled(#[from] Cancelled),
 }
 
+fn component_name(component: &Option<(usize, u32)>) -> String {
+    component.map_or(String::new(), |(number, face)| format!("component {number} (first face: {face}): "))
+}
+
 /// What kind of failure a [`RemeshError`] is; the command line has an exit code for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FailureKind {
@@ -145,6 +157,27 @@ impl From<quadloom_geodesic::GeodesicError> for RemeshError {
     }
 }
 
+impl From<quadloom_tiling::TilingError> for RemeshError {
+    fn from(error: quadloom_tiling::TilingError) -> Self {
+        match error {
+            quadloom_tiling::TilingError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            error => Self::Tiling { component: None, error },
+        }
+    }
+}
+
+/// What kind of failure an error of tiling is.
+fn tiling_kind(error: &quadloom_tiling::TilingError) -> FailureKind {
+    use quadloom_tiling::TilingError as E;
+    match error {
+        E::Option { .. } | E::NoVertex { .. } => FailureKind::Usage,
+        E::NoWay { .. } | E::Fault { .. } => FailureKind::NoResult,
+        E::Cancelled(stop) if stop.time_limit => FailureKind::Limit,
+        E::Cancelled(_) => FailureKind::Cancelled,
+        _ => FailureKind::Rejected,
+    }
+}
+
 impl RemeshError {
     /// The kind of failure.
     pub fn kind(&self) -> FailureKind {
@@ -160,6 +193,7 @@ impl RemeshError {
             Self::File(quadloom_io::IoError::Mismatch { .. }) => FailureKind::Rejected,
             Self::File(_) | Self::NoFaces => FailureKind::Unreadable,
             Self::Geodesic(quadloom_geodesic::GeodesicError::Option { .. }) => FailureKind::Usage,
+            Self::Tiling { error, .. } => tiling_kind(error),
             Self::Input(_) | Self::Mismatch { .. } | Self::Extent { .. } | Self::Geodesic(_) | Self::NoArea { .. } => {
                 FailureKind::Rejected
             }
@@ -177,6 +211,7 @@ impl RemeshError {
             | Self::Mismatch { .. }
             | Self::Extent { .. }
             | Self::Geodesic(_)
+            | Self::Tiling { .. }
             | Self::NoArea { .. }
             | Self::NoResult { .. } => Self::Of { input: input.to_string(), error: Box::new(self) },
             other => other,

@@ -51,6 +51,8 @@ pub enum CutKind {
     Diagonal,
     /// Cut pants into cylinders.
     Belt,
+    /// Was given by the user.
+    Given,
 }
 
 /// One cut.

@@ -101,6 +101,12 @@ pub enum TilingError {
         /// Its number of boundaries.
         boundaries: usize,
     },
+    /// The user's cut leaves more than one tile.
+    #[error("the cut edges leave {tiles} pieces where one was wanted; remove edges from the cut, or merge the tiles")]
+    SeveralTiles {
+        /// Number of pieces.
+        tiles: usize,
+    },
     /// Tiles that were to be cut into quadrangles have no even number of sides.
     #[error("tile {tile} has {sides} sides; quadrangles need an even number of at least 4")]
     Sides {

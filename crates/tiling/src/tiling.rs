@@ -7,6 +7,7 @@
 use crate::cells::{Cell, CellComplex, ComplexDefect, Side};
 use crate::error::TilingError;
 use crate::ids::{ArcId, ArcMap, NodeId, NodeMap, TileId, TileMap};
+use crate::word::{self, Letter, Word};
 use quadloom_mesh::{EdgeId, EdgeMap, FaceId, FaceMap, HalfEdgeId, HalfEdgeMap, Id, SurfacePoint, TriMesh, VertexId};
 use quadloom_mesh::{VertexMap, topology};
 use std::sync::Arc;
@@ -170,6 +171,26 @@ impl Tiling {
         &self.surface.mesh
     }
 
+    /// A letter for each arc, in the order in which they occur on the tiles.
+    pub fn letters(&self) -> ArcMap<Letter> {
+        let mut letters = ArcMap::filled(self.complex.arcs.len(), None);
+        let mut next = 0;
+        for side in self.complex.cells.values().iter().flat_map(|c| c.boundaries.iter().flatten()) {
+            letters[side.arc].get_or_insert_with(|| {
+                next += 1;
+                Letter(next - 1)
+            });
+        }
+        ArcMap::from_vec(letters.values().iter().map(|l| l.unwrap_or(Letter(next))).collect())
+    }
+
+    /// The polygonal schema of a tile: the letters of its sides ([Favreau2009] §3.3.1); `None` if it is no polygon.
+    pub fn word(&self, tile: TileId) -> Option<Word> {
+        let letters = self.letters();
+        let side = |s: &Side| word::Side { letter: letters[s.arc], inverse: s.reversed };
+        Word::new(self.complex.cells[tile].polygon()?.iter().map(side).collect()).ok()
+    }
+
     /// True for edges on arcs that are not the mesh's boundary.
     pub fn cut_edges(&self) -> EdgeMap<bool> {
         let mesh = self.mesh();
@@ -211,6 +232,21 @@ impl Tiling {
             path.reverse();
         }
         path.windows(2).filter_map(|p| self.mesh().find_half_edge(p[0], p[1])).collect()
+    }
+
+    /// Whether every tile is a disk.
+    ///
+    /// # Errors     [`TilingError::NotDisks`] names the first one that is none
+    pub fn must_be_disks(&self) -> Result<(), TilingError> {
+        match self.complex.cells.iter().find(|(_, cell)| cell.polygon().is_none()) {
+            None => Ok(()),
+            Some((tile, cell)) => Err(TilingError::NotDisks {
+                tiles: self.complex.cells.len(),
+                tile: tile.index(),
+                genus: i64::from(cell.genus),
+                boundaries: cell.boundaries.len(),
+            }),
+        }
     }
 
     /// One tile out of all, by taking away arcs between different tiles, longest first ([Favreau2009] §4.1).
@@ -603,21 +639,10 @@ pub fn unrefined(mesh: &TriMesh) -> RefinedSurface {
 
 /// One tile from a user's own cut edges ([Favreau2009] Lemma 1).
 ///
-/// # Errors     [`TilingError::NotDisks`] if what is left is not one disk per component
+/// # Errors     [`TilingError::NotDisks`] and [`TilingError::SeveralTiles`] if what is left is not one disk per component
 pub fn tile_from_cut(mesh: &TriMesh, cut: &EdgeMap<bool>) -> Result<Tiling, TilingError> {
     let tiling = Tiling::from_cut(Arc::new(unrefined(mesh)), cut, &[]);
+    tiling.must_be_disks()?;
     let tiles = tiling.complex.cells.len();
-    let not_disk = tiling.complex.cells.iter().find(|(_, cell)| cell.polygon().is_none());
-    match not_disk {
-        Some((tile, cell)) => Err(TilingError::NotDisks {
-            tiles,
-            tile: tile.index(),
-            genus: i64::from(cell.genus),
-            boundaries: cell.boundaries.len(),
-        }),
-        None if tiles > topology::components(mesh).count => {
-            Err(TilingError::NotDisks { tiles, tile: 0, genus: 0, boundaries: 1 })
-        }
-        None => Ok(tiling),
-    }
+    if tiles > topology::components(mesh).count { Err(TilingError::SeveralTiles { tiles }) } else { Ok(tiling) }
 }

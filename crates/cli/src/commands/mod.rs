@@ -8,6 +8,7 @@ pub mod files;
 pub mod remesh;
 pub mod samples;
 pub mod stats;
+pub mod tile;
 pub mod view;
 
 use crate::exit;
@@ -66,6 +67,8 @@ pub enum OutputKind {
     Distances,
     /// Polylines.
     Lines,
+    /// Tiles.
+    Tiles,
     /// A page.
     Page,
     /// Text; any name will do.
@@ -77,7 +80,7 @@ impl OutputKind {
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         match self {
             Self::Surface => quadloom::io::Format::from_path(path).is_some(),
-            Self::Map => extension.as_deref() == Some("obj"),
+            Self::Map | Self::Tiles => extension.as_deref() == Some("obj"),
             Self::Field => matches!(path.extension().and_then(|e| e.to_str()), Some("rosy" | "rawfield")),
             Self::Distances => matches!(extension.as_deref(), Some("csv" | "ply" | "vtu" | "obj")),
             Self::Lines => matches!(extension.as_deref(), Some("obj" | "svg")),
@@ -89,7 +92,7 @@ impl OutputKind {
     fn expected(self) -> &'static str {
         match self {
             Self::Surface => quadloom::io::Format::WRITTEN,
-            Self::Map => ".obj",
+            Self::Map | Self::Tiles => ".obj",
             Self::Field => quadloom::output::FIELDS_WRITTEN,
             Self::Distances => quadloom::distance::EXPECTED,
             Self::Lines => ".obj or .svg",

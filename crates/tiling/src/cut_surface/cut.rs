@@ -88,11 +88,4 @@ impl CutSurface<'_> {
             self.out[v as usize] = NONE;
         }
     }
-
-    /// The walk along given half-edges.
-    pub fn walk_along(&self, path: &[u32]) -> Walk {
-        let mut walk = Walk::start(self.origin[path[0] as usize]);
-        path.iter().for_each(|&h| walk.push(h, self.target(h)));
-        walk
-    }
 }
