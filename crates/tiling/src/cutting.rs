@@ -66,6 +66,13 @@ pub struct Cut {
     pub(crate) points: Vec<u32>,
 }
 
+impl Cut {
+    /// Vertices of the refined mesh, from one end of the cut to the other; equal for a loop.
+    pub fn path(&self) -> Vec<VertexId> {
+        self.points.iter().map(|&p| VertexId(p)).collect()
+    }
+}
+
 /// Options of cutting.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CutOptions {

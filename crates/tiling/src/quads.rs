@@ -140,8 +140,10 @@ impl Cutting<'_> {
                 touches && (corners < 4 || corners % 2 == 1)
             });
             let Some(border) = wanting else { return Ok(added) };
+            // A disk that was not cut has one node anyway, wherever that is.
+            let has_node = border.iter().any(|&h| node[s.point[s.origin[h as usize] as usize] as usize]);
             self.add_node(&border, &node)?;
-            added += 1;
+            added += usize::from(has_node);
         }
     }
 
