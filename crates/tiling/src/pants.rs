@@ -108,23 +108,25 @@ impl Cutting<'_> {
     /// The piece of C to which a vertex belongs.
     fn piece(&self, root: u32) -> Piece {
         let s = &self.surface;
-        let mut seen = BTreeSet::from([root]);
+        let (mut seen, mut face_seen) = (vec![false; s.vertex_count()], vec![false; s.side.len()]);
+        seen[root as usize] = true;
         let mut vertices = vec![root];
-        let mut faces: BTreeSet<u32> = BTreeSet::new();
         let mut border_edges: BTreeSet<u32> = BTreeSet::new();
-        let mut sides = 0i64;
+        let (mut faces, mut sides) = (0i64, 0i64);
         let mut at = 0;
         while at < vertices.len() {
             for h in s.fan(vertices[at]) {
-                if faces.insert(s.face[h as usize]) {
-                    sides += s.sides(s.face[h as usize]).len() as i64;
+                let face = s.face[h as usize];
+                if !std::mem::replace(&mut face_seen[face as usize], true) {
+                    faces += 1;
+                    sides += s.sides(face).len() as i64;
                 }
                 if s.is_border(h) {
                     border_edges.insert(h);
                 }
             }
             s.for_edges(vertices[at], |_, w| {
-                if seen.insert(w) {
+                if !std::mem::replace(&mut seen[w as usize], true) {
                     vertices.push(w);
                 }
             });
@@ -143,7 +145,7 @@ impl Cutting<'_> {
         }
         let length: usize = borders.iter().map(Vec::len).sum();
         let edges = (sides + length as i64) / 2;
-        let chi = vertices.len() as i64 - edges + faces.len() as i64;
+        let chi = vertices.len() as i64 - edges + faces;
         Piece { genus: (2 - chi - borders.len() as i64) / 2, vertices, borders }
     }
 

@@ -11,6 +11,7 @@ pub mod isolines;
 pub mod layers;
 mod page;
 mod scene;
+mod tiles;
 
 pub use histogram::{Bins, Histogram, quad_histograms, scaled_jacobian, scaled_jacobians};
 pub use isolines::{UvIsolines, isolines};

@@ -6,6 +6,7 @@
 
 use super::histogram::Histogram;
 use super::scene::{DistanceLayer, Polyline, QuadLayer, Scene, Segment, SurfaceLayer};
+use super::tiles::PackedTiles;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::DVec3;
@@ -14,17 +15,19 @@ use serde::Serialize;
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("viewer.js");
+const UNFOLDED: &str = include_str!("unfolded.js");
 
 /// Renders a scene as one self-contained HTML page.
 ///
 /// # Input      any scene; faces naming a vertex that does not exist are left out
-/// # Output     UTF-8 text; about 40 bytes per input triangle, 60 per quad, 32 per segment, plus 60 kB
+/// # Output     UTF-8 text; about 40 bytes per input triangle, 60 per quad, 32 per segment, plus 70 kB
 /// # Cost       linear
 /// # Guarantees works offline; escapes every text; the same bytes for the same scene
 pub fn render_html(scene: &Scene) -> String {
     let title = if scene.title.trim().is_empty() { "Quadloom" } else { scene.title.trim() };
     let data = serde_json::to_string(&PackedScene::of(scene, title)).unwrap_or_default().replace('<', "\\u003c");
-    fill(PAGE, &[("title", &escape(title)), ("style", STYLE), ("scene", &data), ("script", SCRIPT)])
+    let places = [("title", escape(title).as_str()), ("style", STYLE), ("scene", &data), ("unfolded", UNFOLDED)];
+    fill(PAGE, &[&places[..], &[("script", SCRIPT)]].concat())
 }
 
 /// Replaces every `{{name}}` of the template; what is put in is not searched again.
@@ -61,6 +64,7 @@ struct PackedScene<'a> {
     input: Option<PackedFaces>,
     quads: Option<PackedFaces>,
     distance: Option<PackedDistance>,
+    tiles: Option<PackedTiles<'a>>,
     singularities: PackedPoints,
     lines: PackedLines,
     statistics: &'a [(String, String)],
@@ -130,6 +134,7 @@ impl<'a> PackedScene<'a> {
             input: scene.input.as_ref().map(|s| place.surface(s)),
             quads: scene.quads.as_ref().map(|q| place.quads(q)),
             distance: scene.distance.as_ref().map(|d| place.distance(d)),
+            tiles: scene.tiles.as_ref().map(|t| PackedTiles::of(t, &place, &shown_triangles(scene))),
             singularities: PackedPoints {
                 positions: place.points(singular().map(|s| s.position)),
                 valence: pack(singular().map(|s| s.valence.to_le_bytes())),
@@ -155,8 +160,17 @@ impl<'a> PackedHistogram<'a> {
     }
 }
 
+/// Numbers and corners of the input's triangles that the page holds.
+fn shown_triangles(scene: &Scene) -> Vec<(usize, [u32; 3])> {
+    scene.input.iter().flat_map(|s| s.triangles.iter().copied().enumerate().filter(|(_, f)| whole(s, f))).collect()
+}
+
+fn whole(layer: &SurfaceLayer, triangle: &[u32; 3]) -> bool {
+    triangle.iter().all(|&v| (v as usize) < layer.positions.len())
+}
+
 /// From file units to the page's: the bounding box has its centre at 0 and its corners at distance 1.
-struct Placement {
+pub(super) struct Placement {
     centre: DVec3,
     unit: f64,
 }
@@ -191,19 +205,19 @@ impl Placement {
         bytes
     }
 
-    fn points(&self, points: impl Iterator<Item = DVec3>) -> String {
+    pub(super) fn points(&self, points: impl Iterator<Item = DVec3>) -> String {
         pack(points.map(|p| self.place(p)))
     }
 
-    fn segments(&self, segments: impl Iterator<Item = Segment>) -> String {
+    pub(super) fn segments(&self, segments: impl Iterator<Item = Segment>) -> String {
         self.points(segments.flatten())
     }
 
     fn surface(&self, layer: &SurfaceLayer) -> PackedFaces {
-        let whole = |f: &&[u32; 3]| f.iter().all(|&v| (v as usize) < layer.positions.len());
+        let shown = layer.triangles.iter().filter(|f| whole(layer, f));
         PackedFaces {
             positions: self.points(layer.positions.iter().copied()),
-            faces: pack(layer.triangles.iter().filter(whole).flatten().map(|v| v.to_le_bytes())),
+            faces: pack(shown.flatten().map(|v| v.to_le_bytes())),
             quality: String::new(),
         }
     }
@@ -242,15 +256,16 @@ impl Placement {
 }
 
 /// Base64 of the numbers' bytes, one after the other.
-fn pack<const N: usize>(numbers: impl Iterator<Item = [u8; N]>) -> String {
+pub(super) fn pack<const N: usize>(numbers: impl Iterator<Item = [u8; N]>) -> String {
     STANDARD.encode(numbers.flatten().collect::<Vec<u8>>())
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::histogram::Bins;
-    use super::super::scene::{Cross, Polyline, Singularity};
+    use super::super::scene::{Cross, Polyline, Singularity, TileLayer, UnfoldedSide, UnfoldedTile};
     use super::*;
+    use glam::DVec2;
     use proptest::prelude::*;
     use serde_json::Value;
 
@@ -324,9 +339,70 @@ mod tests {
         }
     }
 
+    /// The square cut into two tiles along its diagonal.
+    fn tiled_square() -> Scene {
+        let square = scene_at(DVec3::ZERO, 1.0);
+        let corner = |k: usize| square.input.as_ref().unwrap().positions[k];
+        let side = |label: &str, arc, reversed, border| UnfoldedSide { label: label.into(), arc, reversed, border };
+        let tile = |name: &str, ring| UnfoldedTile { name: name.into(), rings: vec![ring] };
+        let tiles = TileLayer {
+            tile: vec![1, 0],
+            uv: vec![[DVec2::ZERO, DVec2::X, DVec2::ONE], [DVec2::ZERO, DVec2::ONE, DVec2::Y]],
+            cuts: vec![Polyline { points: vec![corner(0), corner(2)], closed: false }],
+            multipoints: vec![corner(0), corner(2)],
+            unfolded: vec![
+                tile("tile 0: a b", vec![side("a", 1, false, true), side("b", 3, false, false)]),
+                tile("tile 1: b⁻¹ c", vec![side("b⁻¹", 3, true, false), side("c", 2, false, true)]),
+            ],
+        };
+        Scene { tiles: Some(tiles), ..square }
+    }
+
+    #[test]
+    fn tiles_are_packed_with_their_triangles() {
+        let mut scene = tiled_square();
+        // A triangle without a vertex takes its tile and its coordinates with it.
+        scene.input.as_mut().unwrap().triangles.insert(1, [0, 1, 99]);
+        let layer = scene.tiles.as_mut().unwrap();
+        layer.tile.insert(1, 7);
+        layer.uv.insert(1, [DVec2::splat(9.0); 3]);
+        let data = data_of(&render_html(&scene));
+        let tiles = &data["tiles"];
+        assert_eq!(integers_of(&tiles["tile"]), [1, 0]);
+        let colours = integers_of(&tiles["colours"]);
+        assert!(colours.len() == 2 && colours[0] != colours[1]);
+        assert_eq!(floats_of(&tiles["uv"]), [0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 1.0]);
+        let [a, b] = points_of(&data, &tiles["cuts"])[..] else { panic!("one segment") };
+        assert!(a.distance(DVec3::ZERO) < 1e-6 && b.distance(DVec3::new(1.0, 1.0, 0.3)) < 1e-6);
+        assert_eq!(integers_of(&tiles["arcs"]), [0], "the one cut is the one arc that is not on the boundary");
+        assert_eq!(points_of(&data, &tiles["multipoints"]).len(), 2);
+        let rings = |k: usize| tiles["unfolded"][k]["rings"].clone();
+        assert_eq!(rings(0), serde_json::json!([[["a", 1, 2], ["b", 0, 0]]]));
+        assert_eq!(rings(1), serde_json::json!([[["b", 0, 1], ["c", 2, 2]]]));
+        assert_eq!(render_html(&scene), render_html(&scene));
+    }
+
+    #[test]
+    fn odd_tilings_make_pages_too() {
+        let mut scene = tiled_square();
+        let layer = scene.tiles.as_mut().unwrap();
+        layer.tile = vec![u32::MAX - 1];
+        layer.uv = vec![[DVec2::NAN; 3]];
+        layer.cuts.push(Polyline::default());
+        layer.unfolded[0].rings.push(Vec::new());
+        let data = data_of(&render_html(&scene));
+        assert_eq!(integers_of(&data["tiles"]["tile"]), [u32::MAX; 2]);
+        assert_eq!(floats_of(&data["tiles"]["uv"]), [0.0; 12]);
+        assert_eq!(integers_of(&data["tiles"]["arcs"]), [u32::MAX], "two cuts but one arc");
+        scene.tiles = Some(TileLayer::default());
+        assert_eq!(data_of(&render_html(&scene))["tiles"]["uv"], "");
+        scene.input = None;
+        assert_eq!(data_of(&render_html(&scene))["tiles"]["tile"], "");
+    }
+
     #[test]
     fn a_page_asks_for_nothing_and_has_no_place_left() {
-        for scene in [Scene::default(), scene_at(DVec3::ZERO, 1.0)] {
+        for scene in [Scene::default(), scene_at(DVec3::ZERO, 1.0), tiled_square()] {
             let page = render_html(&scene);
             assert!(page.contains("default-src 'none'") && !page.contains("{{") && !page.contains("}}"));
             // The one address is the name of SVG's elements, which nobody fetches.
@@ -382,8 +458,11 @@ mod tests {
             text in r#"[<>&"'/!{}a-z-]{0,12}(</script>|<!--|\{\{scene\}\}|</title>|<script>)[<>&"' a-z]{0,12}"#
         ) {
             let plain = render_html(&Scene::default());
-            let mut scene = scene_at(DVec3::ZERO, 1.0);
+            let mut scene = tiled_square();
             scene.title = text.clone();
+            let unfolded = &mut scene.tiles.as_mut().unwrap().unfolded[0];
+            unfolded.name = text.clone();
+            unfolded.rings[0][0].label = text.clone();
             scene.statistics = vec![(text.clone(), text.clone())];
             scene.histograms[0].title = text.clone();
             let page = render_html(&scene);
@@ -393,6 +472,8 @@ mod tests {
             let data = data_of(&page);
             prop_assert_eq!(data["title"].as_str().unwrap(), text.trim());
             prop_assert_eq!(data["statistics"][0][1].as_str().unwrap(), &text);
+            prop_assert_eq!(data["tiles"]["unfolded"][0]["name"].as_str().unwrap(), &text);
+            prop_assert_eq!(data["tiles"]["unfolded"][0]["rings"][0][0][0].as_str().unwrap(), &text);
             prop_assert_eq!(data["histograms"][0]["title"].as_str().unwrap(), &text);
         }
     }

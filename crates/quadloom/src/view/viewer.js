@@ -2,7 +2,7 @@
 //
 // In: the JSON of #scene, packed by page.rs (base64 of little-endian 32-bit numbers, bounding box within radius 1).
 // Out: the picture and its panel; `window.quadloom` for scripts; picture options in the address after '#', as in
-// #preset=map&theme=dark&palette=safe&panel=off&yaw=-30&pitch=20&zoom=1.4&compare=0.5&layers=quads,features.
+// #preset=map&theme=dark&palette=safe&panel=off&yaw=-30&pitch=20&zoom=1.4&compare=0.5&layers=quads,features&tile=3.
 // Holds: a frame is drawn only when something changed; nothing is asked for outside the page.
 (() => {
 'use strict';
@@ -28,9 +28,12 @@ function unpackFaces(part, degree) {
 const input = unpackFaces(packed.input, 3);
 const quads = unpackFaces(packed.quads, 4);
 const distance = packed.distance && { ...packed.distance, values: floats(packed.distance.values), points: floats(packed.distance.source_points) };
+const tiles = packed.tiles && { tile: integers(packed.tiles.tile), colours: integers(packed.tiles.colours), uv: floats(packed.tiles.uv),
+  arcs: integers(packed.tiles.arcs), points: floats(packed.tiles.multipoints), unfolded: packed.tiles.unfolded };
 const singular = { positions: floats(packed.singularities.positions), valence: integers(packed.singularities.valence) };
 const lines = Object.fromEntries(Object.entries(packed.lines).map(([name, text]) => [name, floats(text)]));
 for (const name of ['isolines', 'paths', 'sources', 'cut_locus']) lines[name] = distance ? floats(distance[name]) : new Float32Array();
+lines.cuts = floats(tiles ? packed.tiles.cuts : '');
 const segmentCount = name => lines[name].length / 6;
 
 // ------------------------------------------------------------------------------------------------ colours
@@ -38,11 +41,13 @@ const segmentCount = name => lines[name].length / 6;
 const PALETTES = {
   usual: { valence3: '#d62839', valence5: '#1d5fd1', valenceOther: '#f0a202', features: '#e0620d', boundary: '#7c3aed',
     seams: '#0d9488', field: '#334155', grid_u: '#d62839', grid_v: '#1d5fd1',
-    isolines: '#1f2933', sources: '#d1005c', paths: '#0b7a2b', cut_locus: '#0b1117' },
+    isolines: '#1f2933', sources: '#d1005c', paths: '#0b7a2b', cut_locus: '#0b1117',
+    cuts: '#d62839', multipoints: '#20262e' },
   // Okabe and Ito's colours: told apart with any kind of colour vision.
   safe: { valence3: '#e69f00', valence5: '#0072b2', valenceOther: '#cc79a7', features: '#d55e00', boundary: '#009e73',
     seams: '#111827', field: '#334155', grid_u: '#e69f00', grid_v: '#0072b2',
-    isolines: '#1f2933', sources: '#d55e00', paths: '#cc79a7', cut_locus: '#000000' },
+    isolines: '#1f2933', sources: '#d55e00', paths: '#cc79a7', cut_locus: '#000000',
+    cuts: '#d55e00', multipoints: '#20262e' },
 };
 const THEMES = {
   light: { paper: '#ffffff', quads: '#e9eef4', input: '#e6e3dc', back: '#c9b79c', ink: '#11151a', faint: '#7d838b' },
@@ -56,6 +61,20 @@ const DISTANCE_STOPS = {
   usual: [[0, '#fff3c9'], [0.2, '#fdbb63'], [0.4, '#f07a5a'], [0.6, '#c04a86'], [0.8, '#6d3c9a'], [1, '#2a2a72']],
   safe: [[0, '#fdea45'], [0.2, '#d0c05c'], [0.4, '#a59c74'], [0.6, '#7c7b78'], [0.8, '#4f5b6d'], [1, '#123570']],
 };
+
+// Tiles are pale so that cuts stand out; as many as COLOURS of tiles.rs. The safe ones are the light scheme of Paul Tol.
+const TILE_COLOURS = {
+  usual: ['#9cc3e6', '#f5bd8b', '#aed6a4', '#e9a9b4', '#c2b2e2', '#f1db86', '#93d1cb', '#cfb9a2'],
+  safe: ['#77aadd', '#ee8866', '#eedd88', '#44bb99', '#ffaabb', '#bbcc33', '#99ddff', '#dddddd'],
+};
+// Arcs in turn; letters tell apart those that share a colour.
+const ARC_COLOURS = {
+  usual: ['#d62839', '#1d5fd1', '#0b8a3a', '#e07b00', '#c2187a', '#00939e', '#8a5a16', '#5f7d00', '#4f6bd8', '#a3382a', '#00755e', '#b05bb8'],
+  safe: ['#d55e00', '#0072b2', '#e69f00', '#cc79a7', '#56b4e9', '#7f7f7f'],
+};
+const arcColour = arc => (arc === NONE ? PALETTES[state.palette].cuts : ARC_COLOURS[state.palette][arc % ARC_COLOURS[state.palette].length]);
+const NONE = 0xffffffff;   // tile or arc that is not known
+const tileColour = tile => TILE_COLOURS[state.palette][tiles.colours[tile] ?? 0];
 
 const rgb = hex => [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16) / 255);
 function qualityColour(q) {
@@ -71,8 +90,8 @@ function qualityColour(q) {
 // side: which half of a comparison the layer belongs to; raise: how far lines are pulled towards the eye.
 const LAYERS = [
   { id: 'quads', name: 'Quads', key: '1', side: 'right', count: quads?.count ?? 0 },
-  { id: 'input', name: distance ? 'Surface' : 'Input surface', key: '2', side: 'left', count: input?.count ?? 0 },
-  { id: 'triangles', name: distance ? 'Triangles' : 'Input triangles', key: '3', side: 'left', count: input?.count ?? 0 },
+  { id: 'input', name: distance || tiles ? 'Surface' : 'Input surface', key: '2', side: 'left', count: input?.count ?? 0 },
+  { id: 'triangles', name: distance || tiles ? 'Triangles' : 'Input triangles', key: '3', side: 'left', count: input?.count ?? 0 },
   { id: 'singularities', name: 'Irregular vertices', key: '4', side: quads ? 'right' : 'both', count: singular.valence.length },
   { id: 'features', name: 'Feature lines', key: '5', side: 'both', count: segmentCount('features'), width: 2.6, raise: 0.006 },
   { id: 'boundary', name: 'Boundary', key: '6', side: 'both', count: segmentCount('boundary'), width: 2.6, raise: 0.006 },
@@ -84,11 +103,17 @@ const LAYERS = [
   { id: 'sources', name: 'Sources', key: '7', side: 'both', count: segmentCount('sources') + (distance?.points.length ?? 0) / 3, width: 3.4, raise: 0.006 },
   { id: 'paths', name: 'Shortest paths', key: '8', side: 'both', count: segmentCount('paths'), width: 3, raise: 0.0065 },
   { id: 'cut_locus', name: 'Cut locus', key: '9', side: 'both', count: segmentCount('cut_locus'), width: 1.6, raise: 0.0045 },
+  { id: 'tiles', name: 'Tiles', key: '1', side: 'both', count: tiles && input ? tiles.colours.length : 0 },
+  { id: 'cuts', name: 'Cuts', key: '4', side: 'both', count: segmentCount('cuts'), width: segmentCount('cuts') > 20000 ? 2 : 3, raise: 0.0065 },
+  { id: 'multipoints', name: 'Multipoints', key: '7', side: 'both', count: (tiles?.points.length ?? 0) / 3 },
+  { id: 'checker', name: 'Checkerboard', key: '8', side: 'both', count: input ? (tiles?.uv.length ?? 0) / 6 : 0 },
   { id: 'quality', name: 'Quality colours', key: '0', side: 'right', count: quads?.quality.length ?? 0 },
 ].filter(layer => layer.count > 0);
 const layerOf = Object.fromEntries(LAYERS.map(layer => [layer.id, layer]));
 
 const PRESETS = [
+  { id: 'tiles', name: 'Tiles', layers: ['input', 'tiles', 'cuts', 'multipoints', 'boundary'], needs: ['tiles'] },
+  { id: 'checker', name: 'Checkerboard', layers: ['input', 'tiles', 'checker', 'cuts', 'multipoints', 'boundary'], needs: ['checker'] },
   { id: 'distance', name: 'Distance', layers: ['input', 'distance', 'isolines', 'sources', 'paths'], needs: ['distance'] },
   { id: 'ridges', name: 'Cut locus', layers: ['input', 'distance', 'sources', 'cut_locus'], needs: ['distance', 'cut_locus'] },
   { id: 'result', name: 'Result', layers: ['quads', 'singularities', 'features', 'boundary'], needs: ['quads'] },
@@ -98,7 +123,8 @@ const PRESETS = [
   { id: 'input', name: 'Input', layers: ['input', 'triangles', 'features', 'boundary'], needs: ['input'] },
 ].filter(preset => preset.needs.every(id => layerOf[id]));
 
-const state = { shown: new Set(), theme: 'light', palette: 'usual', compare: null, oversampling: true };
+const state = { shown: new Set(), theme: 'light', palette: 'usual', compare: null, oversampling: true, tile: 0, marked: false };
+// tile: the unfolded one; marked: whether it stands out on the surface.
 
 // ------------------------------------------------------------------------------------------------ vectors
 
@@ -304,6 +330,16 @@ function surfaceBuffer(mesh) {
   return data;
 }
 
+// Per corner the number of the tile and of its colour, and texture coordinates.
+function tileBuffer() {
+  const data = new Float32Array(4 * input.faces.length);
+  for (let corner = 0; corner < input.faces.length; corner++) {
+    const tile = tiles.tile[Math.floor(corner / 3)];
+    data.set([tile === NONE ? -1 : tile, tiles.colours[tile] ?? 0, tiles.uv[2 * corner] ?? 0, tiles.uv[2 * corner + 1] ?? 0], 4 * corner);
+  }
+  return data;
+}
+
 const valenceKind = valence => (valence === 3 ? 0 : valence === 5 ? 1 : 2);
 function singularityBuffer() {
   const data = new Float32Array(4 * singular.valence.length);
@@ -331,11 +367,15 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec3 heights;
 layout(location = 3) in float quality;
 layout(location = 4) in float value;
+layout(location = 5) in vec4 tile;       // number, colour, texture coordinates
 uniform mat4 view, projection;
 out vec3 vNormal, vHeights, vEye;
+out vec2 vUv;
 out float vValue;
 flat out float vQuality;
+flat out vec2 vTile;
 void main() {
+  vTile = tile.xy; vUv = tile.zw;
   vec4 eye = view * vec4(position, 1.0);
   vEye = eye.xyz; vNormal = mat3(view) * normal; vHeights = heights; vQuality = quality; vValue = value;
   gl_Position = projection * eye;
@@ -348,10 +388,13 @@ void keepSide() { if ((gl_FragCoord.x - wipe.x) * wipe.y > 0.0) discard; }`;
 const SURFACE_FRAGMENT = `#version 300 es
 precision highp float;
 in vec3 vNormal, vHeights, vEye;
+in vec2 vUv;
 in float vValue;
 flat in float vQuality;
+flat in vec2 vTile;
 uniform vec3 base, back, ink;
-uniform float lineWidth, lineStrength, showQuality, showDistance, bands, alpha;
+uniform float lineWidth, lineStrength, showQuality, showDistance, bands, showTiles, showChecker, marked, alpha;
+uniform vec3 tileColours[8];
 uniform vec3 stops[6];
 uniform float places[6];
 uniform vec3 inverted;
@@ -368,6 +411,18 @@ vec3 distanceColour(float d) {
   float x = d * bands, pixel = max(fwidth(x), 1e-6), phase = abs(fract(0.5 * x) - 0.5) * 2.0;   // 1 and 0 amid bands
   float dark = smoothstep(0.5 - 0.6 * pixel, 0.5 + 0.6 * pixel, phase);
   return ramp(d) * (1.0 - 0.17 * mix(dark, 0.5, smoothstep(0.25, 0.7, pixel)));
+}
+// Squares in two tones, of mean 0; where they are narrower than a few pixels they fade.
+float squares(vec2 x) {
+  vec2 pixel = max(fwidth(x), vec2(1e-6)), phase = abs(fract(0.5 * x - 0.25) - 0.5) * 2.0 - 0.5;
+  vec2 tone = clamp(phase / (0.6 * pixel), -1.0, 1.0);
+  return tone.x * tone.y * (1.0 - smoothstep(0.25, 0.7, max(pixel.x, pixel.y)));
+}
+// Eight squares per unit, and two, which are left from afar.
+float checker() { return 1.0 + 0.26 * squares(8.0 * vUv) + 0.07 * squares(2.0 * vUv) - 0.1; }
+vec3 tileColour() {
+  vec3 c = tileColours[clamp(int(vTile.y + 0.5), 0, 7)];
+  return marked > -0.5 && abs(vTile.x - marked) > 0.5 ? mix(c, base, 0.72) : c;
 }
 vec3 shade(vec3 albedo, vec3 n, vec3 toEye) {
   float key = max(0.0, 0.5 + 0.5 * dot(n, normalize(vec3(-0.45, 0.65, 0.62))));
@@ -397,7 +452,9 @@ void main() {
   vec3 albedo = base;
   if (showQuality > 0.5 && vQuality > -1.5) albedo = qualityColour(vQuality);
   if (showDistance > 0.5 && vValue >= -1e-4) albedo = distanceColour(vValue);
-  if (!gl_FrontFacing) { n = -n; if (showDistance < 0.5) albedo = back; }
+  if (showTiles > 0.5 && vTile.x > -0.5) albedo = tileColour();
+  if (!gl_FrontFacing) { n = -n; if (showTiles > 0.5) albedo = mix(albedo, back, 0.45); else if (showDistance < 0.5) albedo = back; }
+  if (showChecker > 0.5) albedo = min(albedo * checker(), 1.0);
   colour = vec4(mix(shade(albedo, n, toEye), ink, line * lineStrength), alpha);
 }`;
 
@@ -405,12 +462,15 @@ const LINE_VERTEX = `#version 300 es
 layout(location = 0) in vec2 corner;      // along 0..1, across -1..1
 layout(location = 1) in vec3 from;
 layout(location = 2) in vec3 to;
+layout(location = 3) in vec3 tint;
+flat out vec3 vTint;
 uniform mat4 view, projection;
 uniform vec2 viewport;
 uniform float width, raise, near;
 out float vAcross;
 vec3 raised(vec3 eye) { return eye * (1.0 - min(raise, 0.3 * length(eye)) / max(length(eye), 1e-6)); }
 void main() {
+  vTint = tint;
   vec3 a = raised((view * vec4(from, 1.0)).xyz), b = raised((view * vec4(to, 1.0)).xyz);
   float limit = -near * 0.9;
   if (a.z > limit && b.z > limit) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); vAcross = 0.0; return; }
@@ -431,13 +491,13 @@ void main() {
 const LINE_FRAGMENT = `#version 300 es
 precision highp float;
 in float vAcross;
-uniform vec3 base;
+flat in vec3 vTint;
 uniform float width, alpha;
 out vec4 colour;
 ${WIPE}
 void main() {
   keepSide();
-  colour = vec4(base, alpha * (1.0 - smoothstep(0.5 * width - 0.5, 0.5 * width + 0.5, abs(vAcross))));
+  colour = vec4(vTint, alpha * (1.0 - smoothstep(0.5 * width - 0.5, 0.5 * width + 0.5, abs(vAcross))));
   if (colour.a < 0.02) discard;
 }`;
 
@@ -529,12 +589,15 @@ function bufferOf(data) {
 function makeSurface(mesh) {
   const data = surfaceBuffer(mesh), buffer = bufferOf(data), stride = 4 * FLOATS_PER_CORNER;
   const part = (at, size, offset) => ({ buffer, at, size, stride, offset: 4 * offset });
-  return { array: vertexArray([part(0, 3, 0), part(1, 3, 3), part(2, 3, 6), part(3, 1, 9), part(4, 1, 10)]), count: data.length / FLOATS_PER_CORNER };
+  const tile = tiles && mesh === input ? [{ buffer: bufferOf(tileBuffer()), at: 5, size: 4, stride: 16, offset: 0 }] : [];
+  return { array: vertexArray([part(0, 3, 0), part(1, 3, 3), part(2, 3, 6), part(3, 1, 9), part(4, 1, 10), ...tile]), count: data.length / FLOATS_PER_CORNER };
 }
-function makeLines(data) {
+// tints: one colour per segment, if they are not all of the colour that is set when they are drawn.
+function makeLines(data, tints) {
   const buffer = bufferOf(data), part = (at, offset) => ({ buffer, at, size: 3, stride: 24, offset, perInstance: true });
   const corner = { buffer: gpu.strip, at: 0, size: 2, stride: 8, offset: 0 };
-  return { array: vertexArray([corner, part(1, 0), part(2, 12)]), count: data.length / 6 };
+  const tint = tints ? [{ buffer: bufferOf(tints), at: 3, size: 3, stride: 12, offset: 0, perInstance: true }] : [];
+  return { array: vertexArray([corner, part(1, 0), part(2, 12), ...tint]), count: data.length / 6 };
 }
 function makeBalls() {
   const corner = { buffer: gpu.square, at: 0, size: 2, stride: 8, offset: 0 };
@@ -542,12 +605,12 @@ function makeBalls() {
   return { array: vertexArray([corner, ball]), count: singular.valence.length, radius: singularityRadius() };
 }
 
-function makeSourceBalls() {
-  const { points } = distance, data = new Float32Array(points.length / 3 * 4);
+function makePointBalls(points, radius) {
+  const data = new Float32Array(points.length / 3 * 4);
   for (let i = 0; i < points.length / 3; i++) data.set(points.subarray(3 * i, 3 * i + 3), 4 * i);
   const corner = { buffer: gpu.square, at: 0, size: 2, stride: 8, offset: 0 };
   const ball = { buffer: bufferOf(data), at: 1, size: 4, stride: 16, offset: 0, perInstance: true };
-  return { array: vertexArray([corner, ball]), count: points.length / 3, radius: 0.012 };
+  return { array: vertexArray([corner, ball]), count: points.length / 3, radius };
 }
 
 // Programs now, buffers when first shown.
@@ -572,7 +635,7 @@ function useProgram({ linked, at }, view) {
 }
 
 // style: colour, edge lines, and whether it is a veil over the quads.
-function drawSurface(layer, mesh, view, ratio, { base, back, ink, strength, quality, measured, alpha }) {
+function drawSurface(layer, mesh, view, ratio, { base, back, ink, strength, quality, measured, tiled, checkered, alpha }) {
   const { array, count } = made(layer.id, () => makeSurface(mesh)), at = useProgram(gpu.surface, view);
   gl.uniform2fv(at.wipe, wipeOf(layer, view, ratio));
   gl.uniform3fv(at.base, rgb(base));
@@ -584,6 +647,10 @@ function drawSurface(layer, mesh, view, ratio, { base, back, ink, strength, qual
   gl.uniform1f(at.alpha, alpha);
   gl.uniform1f(at.showDistance, measured ? 1 : 0);
   gl.uniform1f(at.bands, distance?.bands ?? 1);
+  gl.uniform1f(at.showTiles, tiled ? 1 : 0);
+  gl.uniform1f(at.showChecker, checkered ? 1 : 0);
+  gl.uniform1f(at.marked, state.marked ? state.tile : -1);
+  gl.uniform3fv(at.tileColours, TILE_COLOURS[state.palette].flatMap(rgb));
   const stops = measured ? DISTANCE_STOPS[state.palette] : QUALITY_STOPS;
   gl.uniform3fv(at.stops, stops.flatMap(([, hex]) => rgb(hex)));
   gl.uniform1fv(at.places, stops.map(([place]) => place));
@@ -592,12 +659,12 @@ function drawSurface(layer, mesh, view, ratio, { base, back, ink, strength, qual
   gl.drawArrays(gl.TRIANGLES, 0, count);
 }
 
-function drawLines(layer, name, view, ratio, colour) {
+function drawLines(layer, name, view, ratio, colour, { array, count } = made(name, () => makeLines(lines[name]))) {
   if (!lines[name].length) return;
-  const { array, count } = made(name, () => makeLines(lines[name])), at = useProgram(gpu.line, view);
+  const at = useProgram(gpu.line, view);
   gl.uniform2fv(at.wipe, wipeOf(layer, view, ratio));
   gl.uniform2f(at.viewport, canvas.width, canvas.height);
-  gl.uniform3fv(at.base, rgb(colour));
+  gl.vertexAttrib3fv(3, rgb(colour));
   gl.uniform1f(at.width, layer.width * ratio);
   gl.uniform1f(at.raise, layer.raise);
   gl.uniform1f(at.near, view.near);
@@ -615,6 +682,15 @@ function drawBalls(layer, view, ratio, colours, { array, count, radius } = made(
   gl.uniform3fv(at.kinds, colours.flatMap(rgb));
   gl.bindVertexArray(array);
   gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+}
+
+// In the colours of their arcs, on a dark seam.
+function drawCuts(layer, view, ratio) {
+  const { array, count, palettes } = made('cuts', () => ({ ...makeLines(lines.cuts), palettes: {} }));
+  const tints = () => makeLines(lines.cuts, Float32Array.from(Array.from(tiles.arcs).flatMap(arc => rgb(arcColour(arc)))));
+  const seam = { ...layer, width: layer.width + 2.2, raise: layer.raise - 0.0006 };
+  drawLines(seam, 'cuts', view, ratio, THEMES[state.theme].ink, { array, count });
+  drawLines(layer, 'cuts', view, ratio, THEMES[state.theme].ink, (palettes[state.palette] ??= tints()));
 }
 
 // Pixels of the canvas per pixel of the page; pictures at rest are drawn finer than the screen.
@@ -636,13 +712,13 @@ function draw(fine) {
   gl.enable(gl.DEPTH_TEST);
   gl.disable(gl.BLEND);
   // 1. Surfaces; where both are shown in the same place the input becomes a veil.
-  const inputShown = shown('input') || shown('triangles') || shown('distance'), veil = shown('quads') && inputShown && state.compare === null;
+  const inputShown = shown('input') || shown('triangles') || shown('distance') || shown('tiles') || shown('checker'), veil = shown('quads') && inputShown && state.compare === null;
   const solid = { back: theme.back, ink: theme.ink, alpha: 1, quality: false };
   if (shown('quads')) drawSurface(layerOf.quads, quads, view, ratio, { ...solid, base: theme.quads, strength: 0.92, quality: shown('quality') });
   if (inputShown) {
     const strength = shown('triangles') ? 0.55 : 0;
     if (veil) { gl.enable(gl.BLEND); gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA); gl.enable(gl.CULL_FACE); gl.depthMask(false); }
-    drawSurface(layerOf.input, input, view, ratio, { ...solid, base: theme.input, ink: theme.faint, strength, measured: shown('distance'), alpha: veil ? 0.45 : 1 });
+    drawSurface(layerOf.input, input, view, ratio, { ...solid, base: theme.input, ink: theme.faint, strength, measured: shown('distance'), tiled: shown('tiles'), checkered: shown('checker'), alpha: veil ? 0.45 : 1 });
     gl.disable(gl.CULL_FACE); gl.depthMask(true);
   }
   // 2. Lines and balls over them.
@@ -650,7 +726,9 @@ function draw(fine) {
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   if (shown('grid')) { drawLines(layerOf.grid, 'grid_u', view, ratio, palette.grid_u); drawLines(layerOf.grid, 'grid_v', view, ratio, palette.grid_v); }
   for (const id of ['isolines', 'field', 'seams', 'cut_locus', 'boundary', 'features', 'sources', 'paths']) if (shown(id)) drawLines(layerOf[id], id, view, ratio, palette[id]);
-  if (shown('sources') && distance.points.length) drawBalls(layerOf.sources, view, ratio, [palette.sources, palette.sources, palette.sources], made('sourceBalls', makeSourceBalls));
+  if (shown('cuts')) drawCuts(layerOf.cuts, view, ratio);
+  if (shown('multipoints')) drawBalls(layerOf.multipoints, view, ratio, Array(3).fill(palette.multipoints), made('multipoints', () => makePointBalls(tiles.points, 0.017)));
+  if (shown('sources') && distance.points.length) drawBalls(layerOf.sources, view, ratio, [palette.sources, palette.sources, palette.sources], made('sourceBalls', () => makePointBalls(distance.points, 0.012)));
   if (shown('singularities')) drawBalls(layerOf.singularities, view, ratio, [palette.valence3, palette.valence5, palette.valenceOther]);
 }
 
@@ -693,19 +771,44 @@ function hit(mesh, { origin, direction }) {
   return best;
 }
 
-function focusAt(x, y) {
+// What is seen at a pixel: mesh, hit and place, or null.
+function pick(x, y) {
   const useQuads = quads && (state.shown.has('quads') && !(state.compare !== null && input && x < state.compare * innerWidth));
   const mesh = useQuads ? quads : input ?? quads;
-  if (!mesh) return;
-  const ray = rayAt(x, y), found = hit(mesh, ray);
-  if (!found) return goHome();
-  const target = add(ray.origin, scale(ray.direction, found.t));
-  flyTo({ target, distance: Math.min(camera.distance, Math.max(0.35 * camera.distance, 0.4)) });
+  const ray = mesh && rayAt(x, y), found = mesh && hit(mesh, ray);
+  return found && { mesh, found, target: add(ray.origin, scale(ray.direction, found.t)) };
+}
+
+function describe({ mesh, found, target }) {
   const place = target.map((c, k) => shortNumber(packed.centre[k] + c * packed.unit)).join(', ');
   const quality = mesh.quality.length ? `, scaled Jacobian ${shortNumber(mesh.quality[found.face])}` : '';
   const d = mesh === input && distance ? found.weights.reduce((s, w, i) => s + w * distance.values[mesh.faces[mesh.degree * found.face + found.corners[i]]], 0) : null;
   const measured = d === null ? '' : Number.isNaN(d) ? ', no source reaches it' : `, distance ${shortNumber(d * distance.largest)}`;
-  $('status').textContent = `${mesh === quads ? 'quad' : 'triangle'} ${found.face} at (${place})${quality}${measured}`;
+  const tile = tileAt({ mesh, found }), tiled = tile === null ? '' : `, tile ${tile}${tiles.unfolded[tile] ? `, ${sidesOf(tile)}` : ''}`;
+  $('status').textContent = `${mesh === quads ? 'quad' : 'triangle'} ${found.face} at (${place})${quality}${measured}${tiled}`;
+}
+
+const tileAt = ({ mesh, found }) => (tiles && mesh === input && tiles.tile[found.face] !== NONE ? tiles.tile[found.face] : null);
+function sidesOf(tile) {
+  const { rings } = tiles.unfolded[tile], sides = rings.reduce((sum, ring) => sum + ring.length, 0);
+  return `${grouped(sides)} ${sides === 1 ? 'side' : 'sides'}${rings.length > 1 ? ` on ${rings.length} boundaries` : ''}`;
+}
+
+function focusAt(x, y) {
+  if (!(quads ?? input)) return;
+  const picked = pick(x, y);
+  if (!picked) return goHome();
+  flyTo({ target: picked.target, distance: Math.min(camera.distance, Math.max(0.35 * camera.distance, 0.4)) });
+  describe(picked);
+  const tile = tileAt(picked);
+  if (tile !== null) chooseTile(tile);
+}
+
+// A click chooses the tile there, or none.
+function chooseAt(x, y) {
+  const picked = tiles && pick(x, y), tile = picked ? tileAt(picked) : null;
+  if (picked) describe(picked);
+  if (tile !== null) chooseTile(tile); else if (state.marked) forgetTile();
 }
 
 // ------------------------------------------------------------------------------------------------ panel
@@ -733,7 +836,7 @@ function buildLayers() {
     box.addEventListener('change', () => setLayer(layer.id, box.checked));
     const swatch = element('span', { class: layer.width ? 'swatch line' : 'swatch' });
     const label = element('label', {}, box, swatch, element('span', { class: 'name', text: layer.name }),
-      element('span', { class: 'count', text: ['quality', 'triangles', 'distance'].includes(layer.id) || layer.width ? '' : grouped(layer.count) }),
+      element('span', { class: 'count', text: ['quality', 'triangles', 'distance', 'checker'].includes(layer.id) || layer.width ? '' : grouped(layer.count) }),
       element('kbd', { text: layer.key }));
     Object.assign(layer, { box, swatch });
     $('layers').append(element('li', {}, label));
@@ -752,6 +855,9 @@ function swatchColour(id) {
   if (id === 'singularities') return `linear-gradient(135deg, ${palette.valence3} 50%, ${palette.valence5} 50%)`;
   if (id === 'quality') return 'linear-gradient(135deg, #9cc7de 30%, #fde68a 55%, #c2410c 85%)';
   if (id === 'distance') return `linear-gradient(90deg, ${DISTANCE_STOPS[state.palette].map(([, hex]) => hex).join(', ')})`;
+  if (id === 'tiles') return `conic-gradient(${TILE_COLOURS[state.palette].slice(0, 4).map((hex, k) => `${hex} ${25 * k}% ${25 * k + 25}%`).join(', ')})`;
+  if (id === 'cuts' && tiles.arcs[0] !== NONE) return `linear-gradient(90deg, ${ARC_COLOURS[state.palette].slice(0, 3).map((hex, k) => `${hex} ${34 * k}% ${34 * k + 34}%`).join(', ')})`;
+  if (id === 'checker') return `conic-gradient(${theme.quads} 25%, ${theme.faint} 0 50%, ${theme.quads} 0 75%, ${theme.faint} 0) 0 0 / 8px 8px`;
   if (id === 'triangles') return `repeating-linear-gradient(45deg, ${theme.input} 0 3px, ${theme.faint} 3px 4px)`;
   if (id === 'quads') return `linear-gradient(${theme.ink} 0 0) center / 1px 100% no-repeat, linear-gradient(${theme.ink} 0 0) center / 100% 1px no-repeat, ${theme.quads}`;
   return palette[id] ?? theme[id];
@@ -784,6 +890,22 @@ function buildDistanceLegend() {
   }
 }
 
+// The unfolded tile that is chosen.
+function showUnfolded() {
+  const tile = tiles?.unfolded[state.tile];
+  $('unfolded').hidden = !tile || !['tiles', 'cuts', 'checker'].some(id => state.shown.has(id));
+  if ($('unfolded').hidden || showUnfolded.shown === `${state.tile} ${state.palette}`) return;
+  showUnfolded.shown = `${state.tile} ${state.palette}`;
+  const palette = PALETTES[state.palette], [name] = tile.name.split(': ');
+  const colours = { fill: tileColour(state.tile), corner: palette.multipoints, arc: ([, arc, flags]) => (flags & 2 ? palette.boundary : arcColour(arc)) };
+  const svg = quadloomUnfolded.draw(tile.rings, colours, { drawing });
+  svg.setAttribute('aria-label', tile.name);
+  $('unfolded-drawing').replaceChildren(svg);
+  $('unfolded-name').textContent = `${name || `tile ${state.tile}`}: ${sidesOf(state.tile)}`;
+  $('unfolded-word').replaceChildren(...quadloomUnfolded.word(tile.rings, colours, { element }));
+  $('unfolded-number').value = state.tile;
+}
+
 const CHART = { width: 254, height: 52, foot: 14 };
 function buildHistogram({ title, unit, low, high, counts, mark, summary }) {
   const { width, height, foot } = CHART, most = Math.max(1, ...counts), step = width / counts.length;
@@ -814,12 +936,16 @@ function buildHistogram({ title, unit, low, high, counts, mark, summary }) {
 }
 
 function buildPanel() {
-  const parts = [quads && `${grouped(quads.count)} quads`, input && `${grouped(input.count)} ${distance ? '' : 'input '}triangles`];
+  const parts = [quads && `${grouped(quads.count)} quads`, input && `${grouped(input.count)} ${distance || tiles ? '' : 'input '}triangles`,
+    tiles && `${grouped(tiles.colours.length)} ${tiles.colours.length === 1 ? 'tile' : 'tiles'}`];
   $('subtitle').textContent = parts.filter(Boolean).join(' · ');
   buildLayers();
   buildValenceLegend();
   buildQualityLegend();
   buildDistanceLegend();
+  $('unfolded-choice').hidden = !(tiles?.unfolded.length > 1);
+  $('unfolded-number').max = (tiles?.unfolded.length ?? 0) - 1;
+  $('help-tiles').hidden = !tiles;
   $('histograms').append(...packed.histograms.map(buildHistogram));
   const rows = packed.statistics.map(([name, value]) => element('tr', {}, element('td', { text: name }), element('td', { text: value })));
   $('statistics').hidden = rows.length === 0;
@@ -843,6 +969,7 @@ function refresh() {
   for (const dot of $('valence-legend').querySelectorAll('i')) dot.style.background = kinds[dot.dataset.kind];
   $('distance').hidden = !state.shown.has('distance');
   $('distance-bar').style.background = `linear-gradient(90deg, ${DISTANCE_STOPS[state.palette].map(([at, hex]) => `${hex} ${100 * at}%`).join(', ')})`;
+  showUnfolded();
   $('quality').hidden = !state.shown.has('quality');
   for (const [id, on] of [['compare', state.compare !== null], ['palette', state.palette === 'safe'], ['theme', state.theme === 'dark'], ['panel', root.dataset.panel !== 'off']]) {
     $(`tool-${id}`).setAttribute('aria-pressed', String(on));
@@ -861,7 +988,20 @@ function setLayer(id, on = !state.shown.has(id)) {
   if (on) state.shown.add(id); else state.shown.delete(id);
   if (on && id === 'quality') state.shown.add('quads');
   if (on && id === 'distance') state.shown.add('input');
-  if (!on && id === 'input') state.shown.delete('distance');
+  if (on && (id === 'tiles' || id === 'checker')) state.shown.add('input');
+  if (!on && id === 'input') for (const colours of ['distance', 'tiles', 'checker']) state.shown.delete(colours);
+  refresh();
+}
+function chooseTile(tile) {
+  if (!(tile >= 0 && tile < tiles?.colours.length)) return;
+  Object.assign(state, { tile, marked: tiles.colours.length > 1 });
+  refresh();
+}
+function stepTile(step) {
+  if (tiles) chooseTile((state.tile + step + tiles.colours.length) % tiles.colours.length);
+}
+function forgetTile() {
+  state.marked = false;
   refresh();
 }
 function setPreset(id) {
@@ -908,13 +1048,14 @@ const STEP = 8 * Math.PI / 180;
 const KEYS = {
   w: toggleCompare, c: togglePalette, t: toggleTheme, r: goHome, s: savePicture, h: togglePanel, v: nextPreset,
   x: () => lookAlong('x'), y: () => lookAlong('y'), z: () => lookAlong('z'), '?': () => $('help').showModal(),
+  n: () => stepTile(1), p: () => stepTile(-1), escape: forgetTile,
   '+': () => zoom(1 / 1.15, ...currentView().centre), '=': () => zoom(1 / 1.15, ...currentView().centre), '-': () => zoom(1.15, ...currentView().centre),
   arrowleft: () => orbit(-STEP, 0), arrowright: () => orbit(STEP, 0), arrowup: () => orbit(0, -STEP), arrowdown: () => orbit(0, STEP),
 };
 
 function listenToKeys() {
   addEventListener('keydown', event => {
-    if (event.ctrlKey || event.metaKey || event.altKey || $('help').open) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || $('help').open || event.target === $('unfolded-number')) return;
     const layer = LAYERS.find(l => l.key === event.key), action = KEYS[event.key.toLowerCase()];
     if (!layer && !action) return;
     event.preventDefault();
@@ -929,7 +1070,7 @@ function listenToPointers() {
   const spread = () => { const [a, b] = [...down.values()]; return b ? Math.hypot(a.x - b.x, a.y - b.y) : 0; };
   canvas.addEventListener('pointerdown', event => {
     canvas.setPointerCapture(event.pointerId);
-    down.set(event.pointerId, { x: event.clientX, y: event.clientY, moves: event.button !== 0 || event.shiftKey });
+    down.set(event.pointerId, { x: event.clientX, y: event.clientY, moves: event.button !== 0 || event.shiftKey, start: [event.clientX, event.clientY] });
     canvas.classList.add('dragging');
     flight = null;
   });
@@ -943,6 +1084,11 @@ function listenToPointers() {
     else if (finger.moves) pan(dx, dy);
     else orbit(dx * 0.0085, dy * 0.0085);
     redraw();
+  });
+  canvas.addEventListener('pointerup', event => {
+    const { start, moves } = down.get(event.pointerId) ?? {};
+    const still = start && !moves && down.size === 1 && Math.hypot(event.clientX - start[0], event.clientY - start[1]) < 4;
+    if (still) chooseAt(event.clientX, event.clientY);
   });
   for (const end of ['pointerup', 'pointercancel']) {
     canvas.addEventListener(end, event => { down.delete(event.pointerId); if (!down.size) canvas.classList.remove('dragging'); });
@@ -961,6 +1107,9 @@ function listenToPointers() {
 function listenToTools() {
   const tools = { compare: toggleCompare, palette: togglePalette, theme: toggleTheme, home: goHome, picture: savePicture, help: () => $('help').showModal(), panel: togglePanel };
   for (const [id, action] of Object.entries(tools)) $(`tool-${id}`).addEventListener('click', action);
+  $('unfolded-previous').addEventListener('click', () => stepTile(-1));
+  $('unfolded-next').addEventListener('click', () => stepTile(1));
+  $('unfolded-number').addEventListener('change', () => chooseTile(Math.trunc($('unfolded-number').valueAsNumber)));
   const divider = $('divider');
   divider.addEventListener('pointerdown', event => { divider.setPointerCapture(event.pointerId); event.preventDefault(); });
   divider.addEventListener('pointermove', event => { if (divider.hasPointerCapture(event.pointerId)) setCompare(event.clientX / innerWidth); });
@@ -981,6 +1130,7 @@ function readAddress() {
   const start = fitted(facing(number('yaw', HOME_YAW), number('pitch', HOME_PITCH)));
   Object.assign(camera, start, { distance: start.distance / Math.min(Math.max(number('zoom', 1), 0.02), 100) });
   placed = asked.has('zoom');
+  if (asked.has('tile')) chooseTile(number('tile', 0));
 }
 
 function fail(message) {
@@ -1007,5 +1157,6 @@ refresh();
 window.quadloom = {
   layers: LAYERS.map(l => l.id), presets: PRESETS.map(p => p.id), camera,
   shown: () => [...state.shown], setOversampling: on => { state.oversampling = on; redraw(); }, setLayer, setPreset, setCompare, focusAt, redraw,
+  tile: () => (state.marked ? state.tile : null), chooseTile,
 };
 })();
