@@ -156,7 +156,7 @@ impl Cutting<'_> {
         let loose = self.shortest_essential(piece, &known, mode);
         if piece.genus == 0 {
             let bound = loose.as_ref().map_or(u64::MAX, |f| f.length);
-            if self.cut_around_two(piece, bound)? {
+            if self.cut_around_two(piece, bound, mode)? {
                 return Ok(());
             }
         }
@@ -203,7 +203,7 @@ impl Cutting<'_> {
     ///
     /// These two are joined by a shortest path, and so are all others with each other; between the two borders that
     /// are left the shortest loop is one that a search can close. Then the paths are healed.
-    fn cut_around_two(&mut self, piece: &Piece, bound: u64) -> Result<bool, TilingError> {
+    fn cut_around_two(&mut self, piece: &Piece, bound: u64, mode: SearchMode) -> Result<bool, TilingError> {
         let before = self.surface.clone();
         let joined = self.join_all_but_two(piece)?;
         let Some(seams) = joined else {
@@ -216,8 +216,13 @@ impl Cutting<'_> {
         let annulus = self.piece(root);
         let labels: Vec<(u32, u64)> = self.border_sources(&annulus.borders);
         let across = self.search.connect(&self.surface, &self.units, &labels, u64::MAX);
+        let across = across.map(|f| f.walk.vertices).unwrap_or_default();
+        let bases = match mode {
+            SearchMode::Exact => across,
+            SearchMode::Fast => across.get(across.len() / 2).copied().into_iter().collect(),
+        };
         let mut best: Option<Found> = None;
-        for base in across.map(|f| f.walk.vertices).unwrap_or_default() {
+        for base in bases {
             let limit = best.as_ref().map_or(bound, |f| f.length);
             let (s, units) = (&self.surface, &self.units);
             if let Some(found) = self.search.shortest_loop(s, units, &known.class, base, limit, |c| c == 0) {
