@@ -26,8 +26,11 @@ const UNFOLDED: &str = include_str!("unfolded.js");
 pub fn render_html(scene: &Scene) -> String {
     let title = if scene.title.trim().is_empty() { "Quadloom" } else { scene.title.trim() };
     let data = serde_json::to_string(&PackedScene::of(scene, title)).unwrap_or_default().replace('<', "\\u003c");
-    let places = [("title", escape(title).as_str()), ("style", STYLE), ("scene", &data), ("unfolded", UNFOLDED)];
-    fill(PAGE, &[&places[..], &[("script", SCRIPT)]].concat())
+    let title = escape(title);
+    fill(
+        PAGE,
+        &[("title", &title), ("style", STYLE), ("scene", &data), ("unfolded", UNFOLDED), ("script", SCRIPT)],
+    )
 }
 
 /// Replaces every `{{name}}` of the template; what is put in is not searched again.
