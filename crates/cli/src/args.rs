@@ -291,6 +291,10 @@ pub struct TileArgs {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["method", "base"])]
     pub cut: Option<PathBuf>,
 
+    /// Map every tile, which must be a disk, to the plane: vt lines in the .obj. Quadrangles go to the unit square
+    #[arg(long, value_enum)]
+    pub parametrize: Option<ParametrizeArg>,
+
     /// Write nodes, arcs, tiles and words as JSON
     #[arg(long, value_name = "FILE.json", help_heading = "Also write")]
     pub layout: Option<PathBuf>,
@@ -342,6 +346,19 @@ pub enum SearchArg {
     Exact,
     /// From one base point, and from all corners at once
     Fast,
+}
+
+/// `--parametrize`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ParametrizeArg {
+    /// Mean value coordinates in a square or regular polygon: never folded
+    Fixed,
+    /// Discrete conformal in a square or regular polygon
+    Conformal,
+    /// Angle-based flattening, free border
+    Abf,
+    /// Circle packing, free border
+    Circles,
 }
 
 /// `--diagonals`

@@ -268,6 +268,8 @@ pub enum WarningCode {
     PathMissed,
     /// A tolerance of refinement was not met.
     RefinementMissed,
+    /// A tile has another map than the one asked for.
+    TileMapMissed,
 }
 
 /// Something about a result that a user should know.
@@ -301,6 +303,7 @@ impl WarningCode {
             | Self::RefinementMissed
             | Self::SingularitiesMissed
             | Self::TieMissed
+            | Self::TileMapMissed
             | Self::TrianglesSplit => 0,
             Self::SharpEdgesDropped
             | Self::FeatureLost

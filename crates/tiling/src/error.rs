@@ -115,6 +115,14 @@ pub enum TilingError {
         /// Its number of sides.
         sides: usize,
     },
+    /// A tile has no map of the kind asked for.
+    #[error("tile {tile}: {error}")]
+    Map {
+        /// The tile.
+        tile: usize,
+        /// Why.
+        error: crate::maps::MapError,
+    },
     /// More elements than ids.
     #[error(transparent)]
     Mesh(#[from] MeshError),

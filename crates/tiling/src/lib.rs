@@ -14,6 +14,7 @@ pub mod pants;
 pub mod quads;
 mod search;
 pub mod single;
+pub mod tile_mesh;
 pub mod tiling;
 pub mod word;
 
@@ -28,3 +29,4 @@ pub use quads::{DiagonalChoice, QuadOptions, QuadReport};
 pub use pants::{cut_into_cylinders, cut_into_pants};
 pub use given::cut_given;
 pub use tiling::{TilingDefect, tile_from_cut};
+pub use tile_mesh::{OnFailure, TileMaps, TileMesh, map_tiles};

@@ -2,12 +2,13 @@
 
 use super::files::Files;
 use super::{OutputKind, read, stage_text, use_threads};
-use crate::args::{DiagonalsArg, IntoArg, CuttingArg, SearchArg, TileArgs};
+use crate::args::{CuttingArg, DiagonalsArg, IntoArg, ParametrizeArg, SearchArg, TileArgs};
 use crate::console::Console;
 use crate::{exit, watchdog};
 use quadloom::RemeshError;
 use quadloom::io::{Batch, ensure_folder};
 use quadloom::tile::{Into, TileRequest, scene, stage_layout, stage_steps, stage_tiles, tile_surface};
+use quadloom::tiling::maps::MapMethod;
 use quadloom::tiling::{DiagonalChoice, Method, SearchMode};
 use quadloom::view::render_html;
 use std::process::ExitCode;
@@ -49,7 +50,8 @@ pub fn run(args: &TileArgs) -> Result<ExitCode, RemeshError> {
         report.length,
         report.seconds.cutting
     ));
-    Ok(ExitCode::from(exit::DONE))
+    let missed = result.warnings.iter().any(|w| w.misses_request());
+    Ok(ExitCode::from(if missed { exit::MISSED } else { exit::DONE }))
 }
 
 fn request(args: &TileArgs) -> TileRequest {
@@ -78,6 +80,12 @@ fn request(args: &TileArgs) -> TileRequest {
         base: args.base,
         forbid: args.forbid.clone(),
         cut: args.cut.clone(),
+        parametrize: args.parametrize.map(|method| match method {
+            ParametrizeArg::Fixed => MapMethod::MeanValue,
+            ParametrizeArg::Conformal => MapMethod::Conformal,
+            ParametrizeArg::Abf => MapMethod::AngleBased,
+            ParametrizeArg::Circles => MapMethod::Circles,
+        }),
         steps: args.steps.is_some(),
     }
 }

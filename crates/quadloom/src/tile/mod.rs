@@ -14,10 +14,13 @@ pub use request::{Cost, Into, TileRequest};
 
 use crate::error::{RemeshError, Warning, WarningCode};
 use quadloom_mesh::repair::{Component, RepairOptions, Repaired, repair, split_components};
-use quadloom_mesh::{EdgeMap, FaceSoup, Progress, Summary, TriMesh, VertexId, VertexMap};
+use quadloom_mesh::{
+    CornerMap, DVec2, EdgeMap, FaceId, FaceSoup, Id, Progress, Summary, TriMesh, VertexId, VertexMap,
+};
+use quadloom_tiling::maps::{MapError, MapMethod, MapOptions, MapReport};
 use quadloom_tiling::{
-    CutKind, CutOptions, Cutting, EdgeCosts, Method, QuadOptions, QuadReport, SearchMode, TileId, Tiling, TilingError,
-    cut_given, cut_into_cylinders, cut_into_pants, cut_to_disk,
+    CutKind, CutOptions, Cutting, EdgeCosts, Method, OnFailure, QuadOptions, QuadReport, SearchMode, TileId, Tiling,
+    TilingError, cut_given, cut_into_cylinders, cut_into_pants, cut_to_disk, map_tiles,
 };
 use serde::Serialize;
 use std::time::Instant;
@@ -40,8 +43,11 @@ pub struct TiledPart {
     pub component: Component,
     /// Its tiling.
     pub tiling: Tiling,
-    /// The tilings before the first cut and after each one; empty where they were not asked for.
+    /// The tilings before the first cut and after each one; empty where they were not asked for. Where tiles were
+    /// mapped, the last one lacks the splits of edges that maps need.
     pub steps: Vec<Tiling>,
+    /// Texture coordinates of each corner, where tiles were mapped.
+    pub uv: Option<CornerMap<DVec2>>,
 }
 
 /// What was done and measured; lengths in file units.
@@ -106,6 +112,8 @@ pub struct PartReport {
     pub cuts: Vec<CutReport>,
     /// What quadrangulation did.
     pub quadrangles: Option<QuadReport>,
+    /// Maps of the tiles, where they were asked for.
+    pub maps: Vec<MapReport>,
 }
 
 /// One cut.
@@ -126,6 +134,8 @@ pub struct Seconds {
     pub cutting: f64,
     /// Refined meshes, tilings and their checks.
     pub tilings: f64,
+    /// Maps of tiles.
+    pub maps: f64,
 }
 
 /// The method, if none is asked for.
@@ -157,22 +167,32 @@ pub fn tile_surface(soup: &FaceSoup, request: &TileRequest, progress: &Progress)
     let several = components.len() > 1;
     let mut parts = Vec::with_capacity(components.len());
     let mut reports = Vec::with_capacity(components.len());
-    let mut cut_cost = 0.0;
+    let (mut cut_cost, mut warnings) = (0.0, Vec::new());
     for (number, component) in components.into_iter().enumerate() {
         let named = |error: TilingError| match error {
             TilingError::Cancelled(stop) => RemeshError::Cancelled(stop),
-            error if several => RemeshError::Tiling { component: Some((number, component.face_of[quadloom_mesh::FaceId(0)].0)), error },
+            error if several => RemeshError::Tiling { component: Some((number, component.face_of[FaceId(0)].0)), error },
             error => RemeshError::Tiling { component: None, error },
         };
-        let (part, report, cost) = tile_component(&component, &given, request, progress, &mut seconds).map_err(named)?;
+        let (mut part, mut report, cost) =
+            tile_component(&component, &given, request, progress, &mut seconds).map_err(named)?;
+        if let Some(method) = request.parametrize {
+            let clock = Instant::now();
+            let instead = map_part(&mut part, &mut report, method, progress).map_err(named)?;
+            seconds.maps += clock.elapsed().as_secs_f64();
+            let first = reports.iter().map(|r: &PartReport| r.tiles).sum::<usize>();
+            warnings.extend(instead.into_iter().map(|(tile, error)| {
+                let message = format!("tile {} has a mean value map instead: {error}", first + tile.index());
+                Warning::new(WarningCode::TileMapMissed, message)
+            }));
+        }
         cut_cost += cost;
         reports.push(report);
-        parts.push(TiledPart { component, ..part });
+        parts.push(part);
     }
     let report = report_of(&repaired.mesh, request, &parts, reports, cut_cost, seconds);
-    let warnings = repaired.report.findings();
-    let warnings =
-        warnings.map(|f| Warning::new(WarningCode::Repaired, format!("the input was repaired: {f}"))).collect();
+    let found = repaired.report.findings();
+    warnings.extend(found.map(|f| Warning::new(WarningCode::Repaired, format!("the input was repaired: {f}"))));
     Ok(TileResult { parts, report, warnings })
 }
 
@@ -325,9 +345,28 @@ fn tile_component(
         canonical_word,
         cuts: cutting.cuts().iter().map(|c| CutReport { kind: c.kind, cost: c.cost }).collect(),
         quadrangles,
+        maps: Vec::new(),
     };
     let cost = cutting.cost();
-    Ok((TiledPart { component: component.clone(), tiling, steps }, report, cost))
+    Ok((TiledPart { component: component.clone(), tiling, steps, uv: None }, report, cost))
+}
+
+/// Maps the tiles of a component; tiles that have no map of the kind asked for get a mean value map and are returned.
+fn map_part(
+    part: &mut TiledPart,
+    report: &mut PartReport,
+    method: MapMethod,
+    progress: &Progress,
+) -> Result<Vec<(TileId, MapError)>, TilingError> {
+    progress.report("maps", 0.0);
+    let options = MapOptions::default();
+    let maps =
+        map_tiles(&part.tiling, &part.component.mesh, method, &options, OnFailure::MeanValue, progress)?;
+    if !maps.tiling.check().is_empty() {
+        return Err(TilingError::Fault { what: "a tiling does not pass its check after edges were split" });
+    }
+    (part.tiling, part.uv, report.maps) = (maps.tiling, Some(maps.uv), maps.reports);
+    Ok(maps.instead)
 }
 
 /// Cuts along edges that the user gave; into one disk, several tiles are merged.

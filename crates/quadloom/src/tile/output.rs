@@ -6,9 +6,10 @@
 use super::{TileResult, TiledPart};
 use crate::error::RemeshError;
 use quadloom_io::Batch;
-use quadloom_mesh::VertexId;
+use quadloom_mesh::{CornerMap, DVec2, FaceId, VertexId};
 use quadloom_tiling::{ArcId, Tiling};
 use serde_json::{Value, json};
+use std::collections::HashMap;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -16,7 +17,7 @@ use std::path::Path;
 ///
 /// # Errors     every error of writing
 pub fn stage_tiles(files: &mut Batch, path: &Path, result: &TileResult) -> Result<(), RemeshError> {
-    let tilings: Vec<&Tiling> = result.parts.iter().map(|p| &p.tiling).collect();
+    let tilings: Vec<Mapped> = result.parts.iter().map(|p| (&p.tiling, p.uv.as_ref())).collect();
     Ok(files.stage(path, |out| write_obj(out, &tilings))?)
 }
 
@@ -39,42 +40,38 @@ pub fn stage_steps(files: &mut Batch, folder: &Path, result: &TileResult) -> Res
     for step in 0..count {
         let tilings: Vec<&Tiling> =
             result.parts.iter().filter_map(|p| p.steps.get(step).or(p.steps.last())).collect();
-        files.stage(&folder.join(format!("step_{step:03}.obj")), |out| write_obj(out, &tilings))?;
+        let unmapped: Vec<Mapped> = tilings.iter().map(|t| (*t, None)).collect();
+        files.stage(&folder.join(format!("step_{step:03}.obj")), |out| write_obj(out, &unmapped))?;
         let layout = layout_of(&tilings);
         files.stage(&folder.join(format!("step_{step:03}.json")), |out| writeln!(out, "{layout}"))?;
     }
     Ok(())
 }
 
-/// Faces of a tiling by tile, then by number.
-fn faces_by_tile(tiling: &Tiling) -> Vec<Vec<[u32; 3]>> {
-    let mut faces = vec![Vec::new(); tiling.complex.cells.len()];
-    for (f, tile) in tiling.face_tile.iter() {
-        faces[tile.0 as usize].push(tiling.mesh().face_vertices(f).map(|v| v.0));
-    }
-    faces
-}
+/// A tiling, and texture coordinates of its corners.
+type Mapped<'a> = (&'a Tiling, Option<&'a CornerMap<DVec2>>);
 
-fn write_obj(out: &mut dyn Write, tilings: &[&Tiling]) -> io::Result<()> {
-    for tiling in tilings {
+fn write_obj(out: &mut dyn Write, tilings: &[Mapped]) -> io::Result<()> {
+    for (tiling, _) in tilings {
         for p in tiling.mesh().positions().values() {
             writeln!(out, "v {} {} {}", p.x, p.y, p.z)?;
         }
     }
-    let (mut first, mut number) = (1, 0);
-    for tiling in tilings {
-        for faces in faces_by_tile(tiling) {
+    let (mut first, mut number, mut places) = (1, 0, 0);
+    for (tiling, uv) in tilings {
+        for faces in tiling.faces_by_tile() {
             writeln!(out, "g tile_{number}")?;
             number += 1;
-            for [a, b, c] in faces {
-                writeln!(out, "f {} {} {}", a + first, b + first, c + first)?;
+            match uv {
+                None => write_faces(out, tiling, &faces, first)?,
+                Some(uv) => places = write_mapped_faces(out, tiling, uv, &faces, first, places)?,
             }
         }
         first += tiling.mesh().vertex_count() as u32;
     }
     writeln!(out, "g cuts")?;
     first = 1;
-    for tiling in tilings {
+    for (tiling, _) in tilings {
         for arc in cuts_of(tiling) {
             write!(out, "l")?;
             for v in &tiling.arc_path[arc] {
@@ -85,6 +82,46 @@ fn write_obj(out: &mut dyn Write, tilings: &[&Tiling]) -> io::Result<()> {
         first += tiling.mesh().vertex_count() as u32;
     }
     Ok(())
+}
+
+fn write_faces(out: &mut dyn Write, tiling: &Tiling, faces: &[FaceId], first: u32) -> io::Result<()> {
+    for &f in faces {
+        let [a, b, c] = tiling.mesh().face_vertices(f).map(|v| v.0 + first);
+        writeln!(out, "f {a} {b} {c}")?;
+    }
+    Ok(())
+}
+
+/// Writes the faces of one tile with texture coordinates, each place of a vertex once; returns how many were written.
+fn write_mapped_faces(
+    out: &mut dyn Write,
+    tiling: &Tiling,
+    uv: &CornerMap<DVec2>,
+    faces: &[FaceId],
+    first: u32,
+    mut places: u32,
+) -> io::Result<u32> {
+    let mut known: HashMap<(u32, [u64; 2]), u32> = HashMap::new();
+    let mut corners: Vec<[u32; 2]> = Vec::with_capacity(3 * faces.len());
+    for h in faces.iter().flat_map(|&f| tiling.mesh().face_half_edges(f)) {
+        let (v, at) = (tiling.mesh().origin(h).0, uv[h]);
+        let key = (v, [at.x.to_bits(), at.y.to_bits()]);
+        let place = match known.get(&key) {
+            Some(&place) => place,
+            None => {
+                places += 1;
+                known.insert(key, places);
+                writeln!(out, "vt {} {}", at.x, at.y)?;
+                places
+            }
+        };
+        corners.push([v + first, place]);
+    }
+    for face in corners.chunks_exact(3) {
+        let [[a, i], [b, j], [c, k]] = [face[0], face[1], face[2]];
+        writeln!(out, "f {a}/{i} {b}/{j} {c}/{k}")?;
+    }
+    Ok(places)
 }
 
 /// Arcs that are not the mesh's boundary.
@@ -112,7 +149,7 @@ fn layout_of(tilings: &[&Tiling]) -> Value {
                 "vertices": vertices,
             }));
         }
-        let faces = faces_by_tile(tiling);
+        let faces = tiling.faces_by_tile();
         for ((tile, cell), faces) in tiling.complex.cells.iter().zip(&faces) {
             let side = |s: &quadloom_tiling::Side| json!({ "arc": s.arc.0 as usize + first_arc, "reversed": s.reversed });
             let boundaries: Vec<Vec<Value>> = cell.boundaries.iter().map(|b| b.iter().map(side).collect()).collect();

@@ -21,6 +21,9 @@ pub fn scene(result: &TileResult, title: &str) -> Scene {
         surface.positions.extend(mesh.positions().values());
         surface.triangles.extend(mesh.to_faces().into_iter().map(|f| f.map(|v| v + first)));
         boundary.extend(boundary_lines(mesh));
+        if let Some(uv) = &part.uv {
+            layer.uv.extend(mesh.faces().map(|f| mesh.face_half_edges(f).map(|h| uv[h])));
+        }
         layer.tile.extend(tiling.face_tile.values().iter().map(|t| t.0 + first_tile));
         for arc in cuts_of(tiling) {
             let points = tiling.arc_path[arc].iter().map(|&v| mesh.position(v)).collect();

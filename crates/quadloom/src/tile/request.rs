@@ -2,6 +2,7 @@
 //!
 //! In: what a user types. Out: [`TileRequest`]. Holds: nothing; names and numbers are looked up in the input later.
 
+use quadloom_tiling::maps::MapMethod;
 use quadloom_tiling::{DiagonalChoice, Method, SearchMode};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -81,6 +82,8 @@ pub struct TileRequest {
     pub forbid: Option<String>,
     /// A file of edges: the surface is cut along these instead of along edges that are looked for.
     pub cut: Option<PathBuf>,
+    /// How tiles are mapped to the plane. Default: not at all.
+    pub parametrize: Option<MapMethod>,
     /// Whether the tilings between are kept.
     pub steps: bool,
 }
