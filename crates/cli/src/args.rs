@@ -381,6 +381,9 @@ pub struct CheckArgs {
     /// Edges of the reference that bend by more are sharp, as in remesh: degrees above 0 and up to 180, or off
     #[arg(long, value_name = "DEG", default_value = "35", value_parser = parse_sharp_angle, requires = "reference")]
     pub sharp_angle: SharpAngle,
+    /// The layout of a tiling of this mesh, as `tile --layout` or `--steps` writes it: whether it is one
+    #[arg(long, value_name = "FILE.json", conflicts_with = "reference")]
+    pub layout: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

@@ -5,6 +5,7 @@ use crate::args::CheckArgs;
 use crate::exit;
 use quadloom::inspect::{Inspection, as_quads, as_read, inspect, topology_warning};
 use quadloom::mesh::repair::Repaired;
+use quadloom::tile::check_layout;
 use quadloom::verify::verify_against;
 use quadloom::{FaceSoup, RemeshError};
 use std::process::ExitCode;
@@ -19,7 +20,9 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, RemeshError> {
         .map(|d| format!("{} defects of this kind, first: {}; cure: {}", d.count, d.first, d.cure))
         .collect();
     let mut notes = Vec::new();
-    if let Some(reference) = &args.reference {
+    if let Some(layout) = &args.layout {
+        complaints.extend(check_layout(&soup, layout)?);
+    } else if let Some(reference) = &args.reference {
         let as_given = read(reference)?;
         let repaired = repaired(&as_given, reference)?;
         notes = repairs(&as_given, &repaired);
@@ -71,6 +74,7 @@ fn print(args: &CheckArgs, inspection: &Inspection, complaints: &[String], notes
     if complaints.is_empty() {
         let of_quads = if inspection.quality.is_some() { " of quads" } else { "" };
         let result_for = args.reference.as_ref().map(|r| format!(", a valid result for {r}")).unwrap_or_default();
-        println!("{}: an oriented manifold{of_quads}{result_for}", args.input);
+        let tiling = args.layout.as_ref().map(|l| format!(", tiled as {} says", l.display())).unwrap_or_default();
+        println!("{}: an oriented manifold{of_quads}{result_for}{tiling}", args.input);
     }
 }

@@ -7,10 +7,12 @@
 mod output;
 mod picture;
 pub mod request;
+mod saved;
 
 pub use output::{stage_layout, stage_steps, stage_tiles};
 pub use picture::scene;
 pub use request::{Cost, Into, TileRequest};
+pub use saved::{check_layout, read_tiling};
 
 use crate::error::{RemeshError, Warning, WarningCode};
 use quadloom_mesh::repair::{Component, RepairOptions, Repaired, repair, split_components};
