@@ -34,7 +34,16 @@ pub fn test() -> Outcome {
     let words = ["run", "--release", "--quiet", "--package", "quadloom-cli", "--", "distance", "sample:plate"];
     let sources = ["--from", "boundary", "--from", "vertices:7", "--isolines", "20", "--path-from", "vertices:200"];
     cargo(&[&words[..], &sources[..], &["-o", &csv, "--view", &page, "--quiet"]].concat())?;
-    browse(&root().join("tests/viewer/distance.mjs"), &[&page])
+    browse(&root().join("tests/viewer/distance.mjs"), &[&page])?;
+    // 4. The same for tiles: one, and several with holes.
+    let [torus, pants] = ["torus", "genus2"].map(|name| folder.join(format!("{name}-tiles")).display().to_string());
+    for (sample, into, file) in [("torus", "quads", &torus), ("genus2", "cylinders", &pants)] {
+        let words = ["run", "--release", "--quiet", "--package", "quadloom-cli", "--", "tile"];
+        let [input, mesh, page] = [format!("sample:{sample}"), format!("{file}.obj"), format!("{file}.html")];
+        let options = [&input, "--into", into, "-o", &mesh, "--view", &page, "--quiet"];
+        cargo(&[&words[..], &options[..]].concat())?;
+    }
+    browse(&root().join("tests/viewer/tiles.mjs"), &[&format!("{torus}.html"), &format!("{pants}.html")])
 }
 
 /// Has a script work with a page.

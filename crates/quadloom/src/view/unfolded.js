@@ -8,7 +8,7 @@ const quadloomUnfolded = (() => {
 
 const SIZE = 254, MIDDLE = SIZE / 2;
 const REACH = 121, APOTHEM = 99;      // of corners and of the sides' middles, at most
-const LETTER = 11, LETTER_GAP = 13;   // size, and distance from the side
+const LETTER = 11, LETTER_GAP = 13;   // size, and distance from the side where it is level
 const MOST_SIDES = 4000;              // a browser stays quick
 const MOST_LETTERS = 600;             // of a word
 
@@ -65,6 +65,9 @@ function letters(ring, room) {
   return { step: fit > 3 ? Math.ceil(ring.length / fit) : Infinity, size: 0.8 * LETTER };
 }
 
+// The last letter keeps away from the first.
+const lettered = (k, count, step) => step === 1 || (k % step === 0 && (k === 0 || count - k >= step));
+
 // The places of every arc, as [ring, side].
 function placesOf(rings) {
   const places = new Map();
@@ -84,15 +87,17 @@ function note(rings, places, r, k) {
 
 // colours: fill, corner, and arc(side). make: the page's `drawing` and `element`.
 function draw(rings, colours, make) {
-  const places = placesOf(rings), parts = layout(rings), total = rings.reduce((sum, ring) => sum + ring.length, 0);
-  const svg = make.drawing('svg', { viewBox: `0 0 ${SIZE} ${SIZE}`, role: 'img' });
-  const outline = total > MOST_SIDES ? [circle([MIDDLE, MIDDLE], APOTHEM, 1, 1)] : parts;
-  svg.append(make.drawing('path', { class: 'tile', d: outline.map(p => `M${p.start}${p.sides.map(s => s.end).join('')}Z`).join(''), fill: colours.fill, 'fill-rule': 'evenodd' }));
+  const total = rings.reduce((sum, ring) => sum + ring.length, 0);
+  const places = placesOf(rings), parts = total > MOST_SIDES ? [circle([MIDDLE, MIDDLE], APOTHEM, 1, 1)] : layout(rings);
+  const heights = parts.flatMap(({ sides }) => sides.flatMap(s => [s.from[1], s.middle[1] + (LETTER_GAP + 0.4 * LETTER) * s.out[1]]));
+  const [top, bottom] = [Math.max(0, Math.min(...heights) - 5), Math.min(SIZE, Math.max(...heights) + 5)];
+  const svg = make.drawing('svg', { viewBox: `0 ${top.toFixed(1)} ${SIZE} ${(bottom - top).toFixed(1)}`, role: 'img' });
+  svg.append(make.drawing('path', { class: 'tile', d: parts.map(p => `M${p.start}${p.sides.map(s => s.end).join('')}Z`).join(''), fill: colours.fill, 'fill-rule': 'evenodd' }));
   if (total > MOST_SIDES) return svg;
   rings.forEach((ring, r) => {
     const { sides, room } = parts[r], { step, size } = letters(ring, room);
-    ring.forEach((side, k) => svg.append(drawSide(side, sides[k], k % step === 0 ? size : 0, colours.arc(side), note(rings, places, r, k), make)));
-    if (ring.length && sides[0].length >= 12) for (const { from: [cx, cy] } of sides) svg.append(make.drawing('circle', { cx, cy, r: 3, fill: colours.corner }));
+    ring.forEach((side, k) => svg.append(drawSide(side, sides[k], lettered(k, ring.length, step) ? size : 0, colours.arc(side), note(rings, places, r, k), make)));
+    if (ring.length && sides[0].length >= 12) for (const { from: [cx, cy] } of sides) svg.append(make.drawing('circle', { cx, cy, r: 3.2, class: 'corner', fill: colours.corner }));
   });
   // Sides of one arc light up together.
   const light = arc => svg.querySelectorAll('.side').forEach(side => side.classList.toggle('same', side.dataset.arc === arc));
@@ -112,7 +117,8 @@ function drawSide(side, { path, middle, along, out, length }, size, colour, note
     made.append(drawing('path', { class: 'arrow', d: `M${point(s, 0)}L${point(-s * 0.7, wide)}L${point(-s * 0.7, -wide)}Z` }));
   }
   if (size) {
-    const letter = drawing('text', { x: middle[0] + LETTER_GAP * out[0], y: middle[1] + LETTER_GAP * out[1] + 0.35 * size, 'font-size': size });
+    const half = 0.3 * size * [...letterOf(side)].length, away = LETTER_GAP - 3 + Math.max(half, 3);
+    const letter = drawing('text', { x: middle[0] + away * out[0], y: middle[1] + LETTER_GAP * out[1] + 0.35 * size, 'font-size': size });
     letter.textContent = letterOf(side);
     made.append(letter);
   }

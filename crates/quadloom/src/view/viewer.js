@@ -42,12 +42,12 @@ const PALETTES = {
   usual: { valence3: '#d62839', valence5: '#1d5fd1', valenceOther: '#f0a202', features: '#e0620d', boundary: '#7c3aed',
     seams: '#0d9488', field: '#334155', grid_u: '#d62839', grid_v: '#1d5fd1',
     isolines: '#1f2933', sources: '#d1005c', paths: '#0b7a2b', cut_locus: '#0b1117',
-    cuts: '#d62839', multipoints: '#20262e' },
+    cuts: '#d62839', multipoints: '#f6f5f0' },
   // Okabe and Ito's colours: told apart with any kind of colour vision.
   safe: { valence3: '#e69f00', valence5: '#0072b2', valenceOther: '#cc79a7', features: '#d55e00', boundary: '#009e73',
     seams: '#111827', field: '#334155', grid_u: '#e69f00', grid_v: '#0072b2',
     isolines: '#1f2933', sources: '#d55e00', paths: '#cc79a7', cut_locus: '#000000',
-    cuts: '#d55e00', multipoints: '#20262e' },
+    cuts: '#d55e00', multipoints: '#f6f5f0' },
 };
 const THEMES = {
   light: { paper: '#ffffff', quads: '#e9eef4', input: '#e6e3dc', back: '#c9b79c', ink: '#11151a', faint: '#7d838b' },
@@ -67,14 +67,32 @@ const TILE_COLOURS = {
   usual: ['#9cc3e6', '#f5bd8b', '#aed6a4', '#e9a9b4', '#c2b2e2', '#f1db86', '#93d1cb', '#cfb9a2'],
   safe: ['#77aadd', '#ee8866', '#eedd88', '#44bb99', '#ffaabb', '#bbcc33', '#99ddff', '#dddddd'],
 };
-// Arcs in turn; letters tell apart those that share a colour.
+// Letters tell apart arcs that share a colour.
 const ARC_COLOURS = {
   usual: ['#d62839', '#1d5fd1', '#0b8a3a', '#e07b00', '#c2187a', '#00939e', '#8a5a16', '#5f7d00', '#4f6bd8', '#a3382a', '#00755e', '#b05bb8'],
-  safe: ['#d55e00', '#0072b2', '#e69f00', '#cc79a7', '#56b4e9', '#7f7f7f'],
+  safe: ['#d55e00', '#0072b2', '#e69f00', '#882255', '#56b4e9', '#7f7f7f', '#cc79a7', '#332288'],
 };
-const arcColour = arc => (arc === NONE ? PALETTES[state.palette].cuts : ARC_COLOURS[state.palette][arc % ARC_COLOURS[state.palette].length]);
 const NONE = 0xffffffff;   // tile or arc that is not known
 const tileColour = tile => TILE_COLOURS[state.palette][tiles.colours[tile] ?? 0];
+function arcColour(arc) {
+  if (arc === NONE) return PALETTES[state.palette].cuts;
+  arcColour.made ??= {};
+  return (arcColour.made[state.palette] ??= colourArcs(ARC_COLOURS[state.palette])).get(arc);
+}
+
+// Arc by arc the colour that the fewest sides of its tiles have, and of these the one that the fewest arcs have.
+function colourArcs(colours) {
+  const used = colours.map(() => 0), beside = tiles.unfolded.map(() => colours.map(() => 0)), tilesOf = new Map(), chosen = new Map();
+  tiles.unfolded.forEach(({ rings }, tile) => rings.flat().forEach(([, arc]) => tilesOf.set(arc, [...(tilesOf.get(arc) ?? []), tile])));
+  for (const arc of [...tilesOf.keys()].sort((a, b) => a - b)) {
+    const around = tilesOf.get(arc), cost = k => around.reduce((sum, tile) => sum + beside[tile][k], 0);
+    const best = colours.reduce((best, _, k) => (cost(k) < cost(best) || (cost(k) === cost(best) && used[k] < used[best]) ? k : best), 0);
+    used[best]++;
+    for (const tile of around) beside[tile][best]++;
+    chosen.set(arc, colours[best]);
+  }
+  return chosen;
+}
 
 const rgb = hex => [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16) / 255);
 function qualityColour(q) {
@@ -418,8 +436,11 @@ float squares(vec2 x) {
   vec2 tone = clamp(phase / (0.6 * pixel), -1.0, 1.0);
   return tone.x * tone.y * (1.0 - smoothstep(0.25, 0.7, max(pixel.x, pixel.y)));
 }
-// Eight squares per unit, and two, which are left from afar.
-float checker() { return 1.0 + 0.26 * squares(8.0 * vUv) + 0.07 * squares(2.0 * vUv) - 0.1; }
+// Eight squares per unit, and two, which are left from afar: towards white, or darker.
+vec3 checker(vec3 c) {
+  float tone = 0.75 * squares(8.0 * vUv) + 0.25 * squares(2.0 * vUv);
+  return tone > 0.0 ? mix(c, vec3(1.0), 0.42 * tone) : c * (1.0 + 0.4 * tone);
+}
 vec3 tileColour() {
   vec3 c = tileColours[clamp(int(vTile.y + 0.5), 0, 7)];
   return marked > -0.5 && abs(vTile.x - marked) > 0.5 ? mix(c, base, 0.72) : c;
@@ -454,7 +475,7 @@ void main() {
   if (showDistance > 0.5 && vValue >= -1e-4) albedo = distanceColour(vValue);
   if (showTiles > 0.5 && vTile.x > -0.5) albedo = tileColour();
   if (!gl_FrontFacing) { n = -n; if (showTiles > 0.5) albedo = mix(albedo, back, 0.45); else if (showDistance < 0.5) albedo = back; }
-  if (showChecker > 0.5) albedo = min(albedo * checker(), 1.0);
+  if (showChecker > 0.5) albedo = checker(albedo);
   colour = vec4(mix(shade(albedo, n, toEye), ink, line * lineStrength), alpha);
 }`;
 
@@ -688,8 +709,10 @@ function drawBalls(layer, view, ratio, colours, { array, count, radius } = made(
 function drawCuts(layer, view, ratio) {
   const { array, count, palettes } = made('cuts', () => ({ ...makeLines(lines.cuts), palettes: {} }));
   const tints = () => makeLines(lines.cuts, Float32Array.from(Array.from(tiles.arcs).flatMap(arc => rgb(arcColour(arc)))));
-  const seam = { ...layer, width: layer.width + 2.2, raise: layer.raise - 0.0006 };
+  const seam = { ...layer, width: layer.width + 2.2 };
+  gl.depthMask(false);   // a seam hides no cut
   drawLines(seam, 'cuts', view, ratio, THEMES[state.theme].ink, { array, count });
+  gl.depthMask(true);
   drawLines(layer, 'cuts', view, ratio, THEMES[state.theme].ink, (palettes[state.palette] ??= tints()));
 }
 
@@ -953,7 +976,7 @@ function buildPanel() {
   $('tool-compare').hidden = !(quads && input);
 }
 
-const HINT = 'drag to turn · right-drag to move · wheel to zoom · double-click to look closer · ? for keys';
+const HINT = `drag to turn · right-drag to move · wheel to zoom · ${tiles ? 'click to choose a tile · ' : ''}double-click to look closer · ? for keys`;
 
 // Makes the panel agree with the state.
 function refresh() {
@@ -992,13 +1015,23 @@ function setLayer(id, on = !state.shown.has(id)) {
   if (!on && id === 'input') for (const colours of ['distance', 'tiles', 'checker']) state.shown.delete(colours);
   refresh();
 }
+// Turns a tile to the eye if on the whole it looks away.
+function turnTo(tile) {
+  const area = faceNormals(input), normal = [0, 0, 0];
+  tiles.tile.forEach((t, face) => { if (t === tile) for (let k = 0; k < 3; k++) normal[k] += area[3 * face + k]; });
+  const size = length(normal), seen = size > 0 ? rotated(camera.rotation, scale(normal, 1 / size)) : [0, 0, 1];
+  if (seen[2] > 0.3) return;
+  const axis = cross(seen, [0, 0, 1]), sine = length(axis);
+  flyTo(fitted(times(turn(sine > 1e-6 ? scale(axis, 1 / sine) : AXES.y, Math.acos(Math.max(-1, Math.min(1, seen[2])))), camera.rotation)));
+}
 function chooseTile(tile) {
   if (!(tile >= 0 && tile < tiles?.colours.length)) return;
   Object.assign(state, { tile, marked: tiles.colours.length > 1 });
   refresh();
 }
+const turnToTile = tile => { chooseTile(tile); if (state.marked && state.tile === tile) turnTo(tile); };
 function stepTile(step) {
-  if (tiles) chooseTile((state.tile + step + tiles.colours.length) % tiles.colours.length);
+  if (tiles) turnToTile((state.tile + step + tiles.colours.length) % tiles.colours.length);
 }
 function forgetTile() {
   state.marked = false;
@@ -1109,7 +1142,7 @@ function listenToTools() {
   for (const [id, action] of Object.entries(tools)) $(`tool-${id}`).addEventListener('click', action);
   $('unfolded-previous').addEventListener('click', () => stepTile(-1));
   $('unfolded-next').addEventListener('click', () => stepTile(1));
-  $('unfolded-number').addEventListener('change', () => chooseTile(Math.trunc($('unfolded-number').valueAsNumber)));
+  $('unfolded-number').addEventListener('change', () => turnToTile(Math.trunc($('unfolded-number').valueAsNumber)));
   const divider = $('divider');
   divider.addEventListener('pointerdown', event => { divider.setPointerCapture(event.pointerId); event.preventDefault(); });
   divider.addEventListener('pointermove', event => { if (divider.hasPointerCapture(event.pointerId)) setCompare(event.clientX / innerWidth); });
