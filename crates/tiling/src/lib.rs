@@ -1,4 +1,36 @@
 //! M-tiles: cutting a surface into tiles, a polygon, pants, cylinders and quadrangles.
+//!
+//! In: a triangle mesh and what a cut along each edge costs ([`EdgeCosts`]). Out: [`Cutting`]: a surface cut so far, and
+//! [`Tiling`]s: an m-cellular complex embedded in a refined mesh of the same surface, before and after every step.
+//! Holds: cuts are simple and share neither an edge nor an inner vertex; [`Tiling::check`] tests the definitions of
+//! [Favreau2009] against the mesh alone; costs are added up as integers and all is sequential or per tile, so equal input
+//! gives equal bytes for any number of threads. Not: geodesics across faces; the shortest cut graph of all.
+//! Source: [Favreau2009]. How it works: `docs/tiling.md`.
+//!
+//! | paper | here |
+//! |---|---|
+//! | 2-m-cell, m-cellular complex (Def. 2) | [`Cell`], [`CellComplex`] |
+//! | M-tile, M-tiling (C, M, F) (Def. 3, 4) | [`Tiling`] |
+//! | multipoint | image of a node |
+//! | valid 1-path, 1-loop (Def. 5) | a walk in the cell C |
+//! | Algorithms 1, 2, 3 | [`cut_shortest`], [`cut_single_point`], [`cut_intermediate`] |
+//! | Algorithms 4, 5 | [`Cutting::quadrangulate`] |
+//! | Lemma 1, §4.1 | [`cut_given`], [`Tiling::merged`] |
+//!
+//! ```
+//! use quadloom_mesh::{Progress, shapes};
+//! use quadloom_tiling::{CutOptions, EdgeCosts, QuadOptions, cut_single_point};
+//!
+//! let mesh = shapes::genus_series(2, 0);
+//! let costs = EdgeCosts::euclidean(&mesh);
+//! let progress = Progress::none();
+//! let mut cutting = cut_single_point(&mesh, &costs, &CutOptions::default(), &progress)?;
+//! assert_eq!(cutting.tiling()?.complex.cells.values()[0].side_count(), 8);
+//! cutting.quadrangulate(&QuadOptions::default())?;
+//! let quads = cutting.tiling()?;
+//! assert_eq!((quads.complex.cells.len(), quads.check().len()), (3, 0));
+//! # Ok::<(), quadloom_tiling::TilingError>(())
+//! ```
 #![warn(missing_docs)]
 
 pub mod cells;

@@ -148,8 +148,8 @@ impl Search {
     /// The loop of two paths from one source and the edge between their ends, without the part that both share.
     fn close(&self, v: u32, h: u32, w: u32) -> Walk {
         let (mut a, mut b) = (self.path_back(v), self.path_back(w));
-        while a.edges.len() > 0
-            && b.edges.len() > 0
+        while !a.edges.is_empty()
+            && !b.edges.is_empty()
             && a.vertices[a.vertices.len() - 2] == b.vertices[b.vertices.len() - 2]
         {
             for path in [&mut a, &mut b] {

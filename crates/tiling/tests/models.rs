@@ -41,7 +41,7 @@ fn check_closed(name: &str, mesh: &TriMesh) {
         let tiling = cutting.tiling().unwrap();
         check(&what, mesh, &tiling);
         let sides = tiling.complex.cells.values()[0].polygon().expect("a disk").len();
-        assert!(tiling.complex.cells.len() == 1 && sides % 2 == 0, "{what}: {sides} sides");
+        assert!(tiling.complex.cells.len() == 1 && sides.is_multiple_of(2), "{what}: {sides} sides");
         let word = tiling.word(quadloom_tiling::TileId(0)).unwrap();
         let invariants = word.invariants();
         assert_eq!((invariants.chi(), invariants.is_orientable), (2 - 2 * genus as i64, true), "{what}: word");
