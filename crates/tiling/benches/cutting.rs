@@ -4,9 +4,7 @@
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use quadloom_mesh::{Progress, shapes};
-use quadloom_tiling::{
-    CutOptions, EdgeCosts, Method, QuadOptions, SearchMode, cut_into_cylinders, cut_to_disk,
-};
+use quadloom_tiling::{CutOptions, EdgeCosts, Method, QuadOptions, SearchMode, cut_into_cylinders, cut_to_disk};
 use std::hint::black_box;
 
 fn cutting(c: &mut Criterion) {

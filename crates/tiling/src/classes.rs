@@ -65,7 +65,8 @@ pub(crate) fn classes(s: &CutSurface, units: &[u64], root: u32, borders: Borders
         loops.push((length, h));
     }
     loops.sort_unstable_by_key(|&(length, h)| (Reverse(length), h));
-    let is_forced = |h: u32| forced.contains(&h) || (s.twin[h as usize] != NONE && forced.contains(&s.twin[h as usize]));
+    let is_forced =
+        |h: u32| forced.contains(&h) || (s.twin[h as usize] != NONE && forced.contains(&s.twin[h as usize]));
     let mut union = Union::new(nodes);
     let (mut dual, mut closing) = (Vec::new(), Vec::new());
     for &(length, h) in &loops {

@@ -225,7 +225,8 @@ impl<'a> Cutting<'a> {
         for pair in self.cuts.iter().flat_map(|c| c.points.windows(2)) {
             pair.iter().for_each(|&p| degree[p as usize] += 1);
         }
-        for h in (0..s.next.len() as u32).filter(|&h| s.is_border(h) && s.mate[h as usize] == crate::cut_surface::NONE) {
+        for h in (0..s.next.len() as u32).filter(|&h| s.is_border(h) && s.mate[h as usize] == crate::cut_surface::NONE)
+        {
             degree[s.point[s.origin[h as usize] as usize] as usize] += 1;
             degree[s.point[s.target(h) as usize] as usize] += 1;
         }

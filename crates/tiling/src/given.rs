@@ -29,7 +29,8 @@ pub fn cut_given<'a>(
         if tiling.is_border(arc) {
             continue;
         }
-        let half_edges: Option<Vec<u32>> = path.windows(2).map(|p| mesh.find_half_edge(p[0], p[1]).map(|h| h.0)).collect();
+        let half_edges: Option<Vec<u32>> =
+            path.windows(2).map(|p| mesh.find_half_edge(p[0], p[1]).map(|h| h.0)).collect();
         let half_edges = half_edges.ok_or(TilingError::Fault { what: "an arc is broken" })?;
         let edge = |&h: &u32| costs.values()[mesh.edge(quadloom_mesh::HalfEdgeId(h))];
         let cost = half_edges.iter().map(edge).filter(|c| c.is_finite()).sum();

@@ -294,12 +294,8 @@ impl Cutting<'_> {
     /// Cuts a pair of pants into three cylinders.
     fn cut_belts(&mut self, pants: &Piece) -> Result<(), TilingError> {
         // 1. Three seams between the borders leave two hexagons.
-        let border_of: BTreeMap<u32, usize> = pants
-            .borders
-            .iter()
-            .enumerate()
-            .flat_map(|(k, border)| border.iter().map(move |&h| (h, k)))
-            .collect();
+        let border_of: BTreeMap<u32, usize> =
+            pants.borders.iter().enumerate().flat_map(|(k, border)| border.iter().map(move |&h| (h, k))).collect();
         let mut seams = Vec::new();
         for (a, b) in [(0, 1), (1, 2), (2, 0)] {
             let piece = self.piece(self.surface.origin[pants.borders[0][0] as usize]);

@@ -267,7 +267,8 @@ impl Search {
         self.start(s.vertex_count());
         let mut queue = std::collections::VecDeque::new();
         for &v in sources {
-            self.label[v as usize] = Label { stamp: self.stamp, settled: true, distance: 0, before: NONE, edge: NONE, class: 0 };
+            self.label[v as usize] =
+                Label { stamp: self.stamp, settled: true, distance: 0, before: NONE, edge: NONE, class: 0 };
             queue.push_back(v);
         }
         while let Some(v) = queue.pop_front() {

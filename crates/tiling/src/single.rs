@@ -132,7 +132,14 @@ impl Cutting<'_> {
                 SearchMode::Fast => fast,
                 SearchMode::Exact => {
                     let bases = bases.get_or_insert_with(|| Bases::on_cut_graph(&self.surface, &known));
-                    bases.shortest_loop(&self.surface, &self.units, &known.class, &mut self.search, fast, self.progress)?
+                    bases.shortest_loop(
+                        &self.surface,
+                        &self.units,
+                        &known.class,
+                        &mut self.search,
+                        fast,
+                        self.progress,
+                    )?
                 }
             };
             self.cut_loop(&found.walk)?;
@@ -211,8 +218,7 @@ impl Cutting<'_> {
         }
         let Some(found) = self.search.connect(s, &self.units, &sources, u64::MAX) else { return Ok(None) };
         // 2. The two sides of one loop get one node: both ends have the same image.
-        let labels: HashMap<u32, usize> =
-            sources.iter().map(|&(v, k)| (v, k as usize)).collect();
+        let labels: HashMap<u32, usize> = sources.iter().map(|&(v, k)| (v, k as usize)).collect();
         let ends = [found.walk.vertices[0], found.walk.last()];
         let [a, b] = ends.map(|v| labels.get(&v).copied().unwrap_or(0));
         let image = |k: usize| {
@@ -241,7 +247,11 @@ impl Cutting<'_> {
 
     /// All of C must be one disk; it is not where forbidden edges left no way.
     fn must_be_disk(&self) -> Result<(), TilingError> {
-        if self.surface.borders().len() == 1 { Ok(()) } else { Err(TilingError::NoWay { what: "a path between boundaries" }) }
+        if self.surface.borders().len() == 1 {
+            Ok(())
+        } else {
+            Err(TilingError::NoWay { what: "a path between boundaries" })
+        }
     }
 
     /// The base point of a single-point cutting, and the closing edges of its first two loops where they are known.
@@ -255,8 +265,14 @@ impl Cutting<'_> {
         let mut first = self.fast_loop(&known, None)?;
         if options.search == SearchMode::Exact {
             let mut bases = Bases::on_cut_graph(&self.surface, &known);
-            first =
-                bases.shortest_loop(&self.surface, &self.units, &known.class, &mut self.search, first, self.progress)?;
+            first = bases.shortest_loop(
+                &self.surface,
+                &self.units,
+                &known.class,
+                &mut self.search,
+                first,
+                self.progress,
+            )?;
         }
         // 2. A path from one side of it to the other that ends where it begins: the shortest one over all its points,
         //    or over the two where the shortest path of all ends.
@@ -295,9 +311,7 @@ impl Cutting<'_> {
             let in_tree = |a: u32, b: u32| tree.parent[a as usize].0 == b || tree.parent[b as usize].0 == a;
             let off: Vec<&[u32]> = points.windows(2).filter(|p| !in_tree(p[0], p[1])).collect();
             match off[..] {
-                [pair] => mesh
-                    .find_edge(VertexId(pair[0]), VertexId(pair[1]))
-                    .map(|e| mesh.half_edge(e).0),
+                [pair] => mesh.find_edge(VertexId(pair[0]), VertexId(pair[1])).map(|e| mesh.half_edge(e).0),
                 _ => None,
             }
         });
@@ -366,7 +380,9 @@ impl Cutting<'_> {
             j == i || (j == i + 1 && s.span[h as usize] == path[i].1)
         };
         let is_root = |v: u32| s.point[v as usize] == root;
-        self.search.follow(s, &[start], may_step, is_root).ok_or(TilingError::Fault { what: "a loop lost its way back" })
+        self.search
+            .follow(s, &[start], may_step, is_root)
+            .ok_or(TilingError::Fault { what: "a loop lost its way back" })
     }
 }
 
@@ -463,7 +479,11 @@ impl Bases {
             let mut stack = vec![v];
             while let Some(v) = stack.pop() {
                 if !std::mem::replace(&mut done[v as usize], true) {
-                    s.for_edges(v, |h, w| if s.span[h as usize] == NONE { stack.push(w) });
+                    s.for_edges(v, |h, w| {
+                        if s.span[h as usize] == NONE {
+                            stack.push(w)
+                        }
+                    });
                 }
             }
         }

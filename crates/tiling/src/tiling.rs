@@ -254,8 +254,13 @@ impl Tiling {
     /// # Output     a tiling with one tile per component of the mesh; disks merge to a disk
     /// # Cost       O(arcs log arcs) and linear in the mesh
     pub fn merged(&self) -> Self {
-        let mut arcs: Vec<(f64, ArcId)> =
-            self.complex.arcs.iter().map(|(a, _)| (self.arc_length(a), a)).filter(|&(_, a)| !self.is_border(a)).collect();
+        let mut arcs: Vec<(f64, ArcId)> = self
+            .complex
+            .arcs
+            .iter()
+            .map(|(a, _)| (self.arc_length(a), a))
+            .filter(|&(_, a)| !self.is_border(a))
+            .collect();
         arcs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut beside: ArcMap<Vec<TileId>> = ArcMap::filled(self.complex.arcs.len(), Vec::new());
         for (tile, cell) in self.complex.cells.iter() {
@@ -405,7 +410,8 @@ impl Tiling {
     fn check_boundaries(&self, arc_of: &EdgeMap<Option<ArcId>>, defects: &mut Vec<TilingDefect>) {
         let mesh = self.mesh();
         // V − E + F of each tile cut open: a border half-edge stands for one border edge and one border vertex.
-        let (mut chi, mut border) = (TileMap::filled(self.complex.cells.len(), 0i64), TileMap::filled(self.complex.cells.len(), 0));
+        let (mut chi, mut border) =
+            (TileMap::filled(self.complex.cells.len(), 0i64), TileMap::filled(self.complex.cells.len(), 0));
         self.face_tile.values().iter().for_each(|&t| chi[t] += 1);
         for e in mesh.edges().filter(|&e| arc_of[e].is_none()) {
             chi[self.face_tile[mesh.edge_faces(e).0]] -= 1;

@@ -1,9 +1,7 @@
 //! Closed generated surfaces: numbers of sides and tiles, definitions, and re-gluing by an independent count.
 
 use quadloom_mesh::{Progress, Summary, TriMesh, shapes};
-use quadloom_tiling::{
-    CutOptions, EdgeCosts, Method, QuadOptions, SearchMode, Tiling, cut_to_disk,
-};
+use quadloom_tiling::{CutOptions, EdgeCosts, Method, QuadOptions, SearchMode, Tiling, cut_to_disk};
 
 mod common;
 
@@ -56,7 +54,10 @@ fn every_method_gives_one_even_polygon_and_quadrangles() {
                 }
                 let quads = cutting.tiling().unwrap();
                 assert_eq!(quads.complex.cells.len(), report.quadrangles, "{what}");
-                assert!(quads.complex.cells.values().iter().all(|c| c.polygon().is_some_and(|s| s.len() == 4)), "{what}");
+                assert!(
+                    quads.complex.cells.values().iter().all(|c| c.polygon().is_some_and(|s| s.len() == 4)),
+                    "{what}"
+                );
             }
         }
     }

@@ -212,10 +212,10 @@ fn loops_are_as_short_as_those_of_brute_force() {
             continue;
         }
         tested += 1;
-        let weight =
-            EdgeMap::from_fn(mesh.edge_count(), |e| 0.05 + shapes::random(seed, u64::from(e.0)));
+        let weight = EdgeMap::from_fn(mesh.edge_count(), |e| 0.05 + shapes::random(seed, u64::from(e.0)));
         let costs = EdgeCosts::new(weight.clone()).unwrap();
-        let of = |a: u32, b: u32| weight[mesh.find_edge(quadloom_mesh::VertexId(a), quadloom_mesh::VertexId(b)).unwrap()];
+        let of =
+            |a: u32, b: u32| weight[mesh.find_edge(quadloom_mesh::VertexId(a), quadloom_mesh::VertexId(b)).unwrap()];
         let progress = Progress::none();
         let options = CutOptions { search: SearchMode::Exact, base: None };
         let cutting = cut_shortest(&mesh, &costs, &options, &progress).unwrap();
@@ -229,7 +229,9 @@ fn loops_are_as_short_as_those_of_brute_force() {
         let old: Vec<u32> = first.iter().copied().filter(|&v| (v as usize) < mesh.vertex_count()).collect();
         let closed: Vec<u32> = old.iter().chain(old.first()).copied().collect();
         let on_edges = old.len() + 2 == first.len()
-            && closed.windows(2).all(|p| mesh.find_edge(quadloom_mesh::VertexId(p[0]), quadloom_mesh::VertexId(p[1])).is_some());
+            && closed
+                .windows(2)
+                .all(|p| mesh.find_edge(quadloom_mesh::VertexId(p[0]), quadloom_mesh::VertexId(p[1])).is_some());
         if summary.genus > 1 && on_edges {
             second += 1;
             let (vertices, faces, image) = cut_open(&mesh, &closed);

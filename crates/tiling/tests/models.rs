@@ -20,7 +20,10 @@ fn models(names: &[&str]) -> Vec<(String, TriMesh)> {
     }
     let read = |name: &&str| {
         let soup = quadloom_io::read_soup(folder.join(format!("{name}.obj"))).unwrap();
-        (name.to_string(), repair(&soup, &RepairOptions { zero_area_rel: 0.0, ..RepairOptions::default() }).unwrap().mesh)
+        (
+            name.to_string(),
+            repair(&soup, &RepairOptions { zero_area_rel: 0.0, ..RepairOptions::default() }).unwrap().mesh,
+        )
     };
     names.iter().map(read).collect()
 }
@@ -59,9 +62,8 @@ fn check_closed(name: &str, mesh: &TriMesh) {
 
 #[test]
 fn closed_models_are_polygons_and_quadrangles() {
-    let names = [
-        "3holes", "double_torus", "kitten", "botijo", "pegaso", "casting", "turbine", "lattice_genus91", "cheese",
-    ];
+    let names =
+        ["3holes", "double_torus", "kitten", "botijo", "pegaso", "casting", "turbine", "lattice_genus91", "cheese"];
     for (name, mesh) in models(&names) {
         check_closed(&name, &mesh);
     }

@@ -34,8 +34,7 @@ fn cuts_share_no_edge_and_no_inner_vertex() {
             let options = CutOptions { search, base: None };
             let mut cutting = cut_to_disk(&mesh, &costs, method, &options, &progress).expect(&what);
             let report = cutting.quadrangulate(&QuadOptions { search, ..Default::default() }).expect(&what);
-            let paths: Vec<Vec<u32>> =
-                cutting.cuts().iter().map(|c| c.path().iter().map(|v| v.0).collect()).collect();
+            let paths: Vec<Vec<u32>> = cutting.cuts().iter().map(|c| c.path().iter().map(|v| v.0).collect()).collect();
             check_apart(&what, &paths);
             let tiling = cutting.tiling().unwrap();
             assert_eq!(tiling.check(), [], "{what}");
@@ -48,7 +47,8 @@ fn cuts_share_no_edge_and_no_inner_vertex() {
         }
         if genus > 1 && seed % 5 == 0 {
             let what = format!("seed {seed}, genus {genus}, cylinders");
-            let tiling = cut_into_cylinders(&mesh, &costs, &CutOptions::default(), &progress).expect(&what).tiling().unwrap();
+            let tiling =
+                cut_into_cylinders(&mesh, &costs, &CutOptions::default(), &progress).expect(&what).tiling().unwrap();
             assert_eq!(tiling.check(), [], "{what}");
             common::check_gluing(&what, &tiling);
             common::check_refinement(&what, &mesh, &tiling);

@@ -23,8 +23,7 @@ impl CutSurface<'_> {
 
     /// Cuts along half-edges inside C.
     pub fn cut(&mut self, path: &[u32]) -> Result<(), Lost> {
-        let vertices: BTreeSet<u32> =
-            path.iter().flat_map(|&h| [self.origin[h as usize], self.target(h)]).collect();
+        let vertices: BTreeSet<u32> = path.iter().flat_map(|&h| [self.origin[h as usize], self.target(h)]).collect();
         let fans: Vec<(u32, Vec<u32>)> = vertices.into_iter().map(|v| (v, self.fan(v))).collect();
         for &h in path {
             let t = self.twin[h as usize];

@@ -105,8 +105,7 @@ impl CutSurface<'_> {
         self.chord_face.push(self.parent[face as usize]);
         // 1. p → q with what comes after b, q → p with what comes after a.
         let new_face = self.parent.len() as u32;
-        let (there, back) =
-            (self.new_half_edge(p, face, line, true), self.new_half_edge(q, new_face, line, false));
+        let (there, back) = (self.new_half_edge(p, face, line, true), self.new_half_edge(q, new_face, line, false));
         let span = self.span_between(self.parent[face as usize], self.base_of(p), self.base_of(q));
         let (before_a, before_b) = (self.prev[a as usize], self.prev[b as usize]);
         self.link(before_a, there);

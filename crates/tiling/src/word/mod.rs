@@ -4,7 +4,7 @@
 //! sides and the canonical word it can be brought to, the operations that do so, and every new letter as a path of
 //! old ones. Holds: all of it is exact and combinatorial; every word with no letter more than twice is a surface.
 //! Not: short paths; they are those of the operations, and meet every letter of the reduced word a few times.
-//! Source: Favreau et al. 2009 §3.3.1; the operations are those of Brahana 1921.
+//! Source: [Favreau2009] §3.3.1; the operations are those of Brahana 1921.
 //!
 //! ```text
 //!               side k
@@ -255,7 +255,7 @@ impl Word {
     /// The word that stands for all that differ from this one by rotation, inversion and names of letters.
     ///
     /// # Output     letters 0, 1, … in the order in which they are met first; equal for two words just if they are
-    ///              the same polygon with the same gluing
+    /// the same polygon with the same gluing
     /// # Cost       O(n log n)
     pub fn representative(&self) -> Self {
         [self.clone(), self.inverted()]

@@ -4,7 +4,7 @@
 //! before. Holds: an operation that is not refused keeps the Euler characteristic, orientability and the number of
 //! borders; the border of the polygon stays the same path up to rotation, in the free group, when letters are
 //! replaced by their paths.
-//! Source: Favreau et al. 2009 §3.3.1 (contraction); Brahana 1921 (cut and glue).
+//! Source: [Favreau2009] §3.3.1 (contraction); Brahana 1921 (cut and glue).
 //!
 //! ```text
 //!   Contract x    a side with two ends is drawn back to its tail            … p x q … x⁻¹ r …  ▶  … p q … r …
@@ -85,7 +85,7 @@ impl Operation {
     /// The letters of the next word that are other paths than before, in letters of this word.
     ///
     /// # Output     letters that are not named are what they were. An expansion's letter is an empty path: its two
-    ///              ends were one vertex.
+    /// ends were one vertex.
     /// # Errors     those of [`Operation::apply`]
     pub fn new_letters(&self, word: &Word) -> Result<Vec<(Letter, Path)>, WordError> {
         self.apply(word)?;

@@ -61,7 +61,7 @@ impl Path {
     /// Where it starts and ends on the surface of a word.
     ///
     /// # Output     none if it is empty, has a letter that the word has not, or a step that starts elsewhere than
-    ///              the one before it ended
+    /// the one before it ended
     /// # Cost       O(n log n) for the word, then O(log n) per step
     pub fn ends(&self, word: &Word) -> Option<[VertexClass; 2]> {
         let vertices = word.vertices();

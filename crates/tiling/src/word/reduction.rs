@@ -3,7 +3,7 @@
 //! In: a word. Out: a word of the same surface with one vertex (with borders: one vertex and one side on each), the
 //! operations, and what its letters are in letters of the first word. Holds: sides are then 4·genus, or 2·genus if
 //! the surface is not orientable, and with borders 3·borders − 2 more; that is the minimum.
-//! Source: Favreau et al. 2009 §3.3.1: a side whose ends differ is taken out and its ends merged.
+//! Source: [Favreau2009] §3.3.1: a side whose ends differ is taken out and its ends merged.
 
 use super::{Corner, Letter, Operation, Path, Side, Vertices, Word};
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,12 +23,12 @@ impl Word {
     /// A word of the same surface with as few sides as there can be.
     ///
     /// # Output     closed surface: one vertex; a sphere: the empty word, and the last operation is the one that
-    ///              cancels a a⁻¹, so that whoever needs a polygon with sides leaves that one out. With borders: one
-    ///              vertex and one side on each border and no vertex elsewhere; a disk: one side.
+    /// cancels a a⁻¹, so that whoever needs a polygon with sides leaves that one out. With borders: one
+    /// vertex and one side on each border and no vertex elsewhere; a disk: one side.
     /// # Cost       O(n² log n)
     /// # Guarantees every letter is a path along letters of the first word, through each of its vertices at most
-    ///              once before and once after that letter; a border's letter is the ring of its sides
-    /// # Source     Favreau et al. 2009 §3.3.1
+    /// once before and once after that letter; a border's letter is the ring of its sides
+    /// # Source     [Favreau2009] §3.3.1
     pub fn reduced(&self) -> Reduction {
         let mut steps = Steps::new(self);
         steps.contract_all(0);

@@ -81,7 +81,8 @@ pub fn check_gluing(what: &str, tiling: &Tiling) {
         }
     }
     let mut edges = directed.keys().filter(|(a, b)| !on_arc.contains(&((*a).min(*b), (*a).max(*b)))).count() as i64;
-    let lonely = directed.keys().filter(|&&(a, b)| !on_arc.contains(&(a.min(b), a.max(b))) && !directed.contains_key(&(b, a)));
+    let lonely =
+        directed.keys().filter(|&&(a, b)| !on_arc.contains(&(a.min(b), a.max(b))) && !directed.contains_key(&(b, a)));
     assert_eq!(lonely.count(), 0, "{what}: a border on no arc");
     edges /= 2;
     for pair in sides.values() {
