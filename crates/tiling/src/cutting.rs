@@ -240,7 +240,7 @@ impl<'a> Cutting<'a> {
         node
     }
 
-    /// Genus of what is left, all pieces together, and its number of borders.
+    /// A base point, if it exists.
     pub(crate) fn checked_base(&self, base: Option<VertexId>) -> Result<Option<u32>, TilingError> {
         match base {
             Some(vertex) if vertex.index() >= self.mesh().vertex_count() => {

@@ -45,7 +45,7 @@ impl Word {
     /// # Output     [`Invariants::canonical_word`]; a sphere: the empty word; a disk: c1 d1 c1⁻¹
     /// # Cost       O(n² log n), and the lengths of the paths: O(n) letters of the reduced word for each
     /// # Guarantees replacing letters by paths gives this word up to rotation, exactly in the free group
-    /// # Source     Brahana 1921; for meshes Lazarus et al. 2001
+    /// # Source     [Brahana1921]; for meshes [Lazarus2001]
     pub fn canonical_form(&self) -> CanonicalForm {
         let borders = self.invariants().borders;
         let mut steps = Steps::new(self);
