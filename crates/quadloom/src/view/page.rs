@@ -27,10 +27,7 @@ pub fn render_html(scene: &Scene) -> String {
     let title = if scene.title.trim().is_empty() { "Quadloom" } else { scene.title.trim() };
     let data = serde_json::to_string(&PackedScene::of(scene, title)).unwrap_or_default().replace('<', "\\u003c");
     let title = escape(title);
-    fill(
-        PAGE,
-        &[("title", &title), ("style", STYLE), ("scene", &data), ("unfolded", UNFOLDED), ("script", SCRIPT)],
-    )
+    fill(PAGE, &[("title", &title), ("style", STYLE), ("scene", &data), ("unfolded", UNFOLDED), ("script", SCRIPT)])
 }
 
 /// Replaces every `{{name}}` of the template; what is put in is not searched again.

@@ -74,7 +74,8 @@ pub struct TileLayer {
     pub tile: Vec<u32>,
     /// Texture coordinates of the corners of every triangle; empty where tiles were not mapped.
     pub uv: Vec<[DVec2; 3]>,
-    /// Cuts: the arcs that are not the surface's boundary.
+    /// Cuts: the arcs that are not the surface's boundary, by their numbers; if each is a side of an unfolded tile, it
+    /// has the colour of that side.
     pub cuts: Vec<Polyline>,
     /// Where cuts meet.
     pub multipoints: Vec<DVec3>,
