@@ -16,9 +16,7 @@ pub use saved::{check_layout, read_tiling};
 
 use crate::error::{RemeshError, Warning, WarningCode};
 use quadloom_mesh::repair::{Component, RepairOptions, Repaired, repair, split_components};
-use quadloom_mesh::{
-    CornerMap, DVec2, EdgeMap, FaceId, FaceSoup, Id, Progress, Summary, TriMesh, VertexId, VertexMap,
-};
+use quadloom_mesh::{CornerMap, DVec2, EdgeMap, FaceId, FaceSoup, Id, Progress, Summary, TriMesh, VertexId, VertexMap};
 use quadloom_tiling::maps::{MapError, MapMethod, MapOptions, MapReport};
 use quadloom_tiling::{
     CutKind, CutOptions, Cutting, EdgeCosts, Method, OnFailure, QuadOptions, QuadReport, SearchMode, TileId, Tiling,
@@ -173,7 +171,9 @@ pub fn tile_surface(soup: &FaceSoup, request: &TileRequest, progress: &Progress)
     for (number, component) in components.into_iter().enumerate() {
         let named = |error: TilingError| match error {
             TilingError::Cancelled(stop) => RemeshError::Cancelled(stop),
-            error if several => RemeshError::Tiling { component: Some((number, component.face_of[FaceId(0)].0)), error },
+            error if several => {
+                RemeshError::Tiling { component: Some((number, component.face_of[FaceId(0)].0)), error }
+            }
             error => RemeshError::Tiling { component: None, error },
         };
         let (mut part, mut report, cost) =
@@ -215,7 +215,10 @@ impl Given {
             let Some((_, values)) = found else {
                 let names: Vec<&str> = soup.vertex_attributes.iter().map(|(n, _)| n.as_str()).collect();
                 let has = if names.is_empty() { "it has none (.ply can have some)".into() } else { names.join(", ") };
-                return Err(RemeshError::Mismatch { what, why: format!("there is no vertex attribute `{name}`; {has}") });
+                return Err(RemeshError::Mismatch {
+                    what,
+                    why: format!("there is no vertex attribute `{name}`; {has}"),
+                });
             };
             let mut map = VertexMap::filled(repaired.mesh.vertex_count(), f64::NAN);
             for (&value, v) in values.iter().zip(&repaired.vertex_of_input).rev() {
@@ -362,8 +365,7 @@ fn map_part(
 ) -> Result<Vec<(TileId, MapError)>, TilingError> {
     progress.report("maps", 0.0);
     let options = MapOptions::default();
-    let maps =
-        map_tiles(&part.tiling, &part.component.mesh, method, &options, OnFailure::MeanValue, progress)?;
+    let maps = map_tiles(&part.tiling, &part.component.mesh, method, &options, OnFailure::MeanValue, progress)?;
     if !maps.tiling.check().is_empty() {
         return Err(TilingError::Fault { what: "a tiling does not pass its check after edges were split" });
     }

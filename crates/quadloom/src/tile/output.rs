@@ -38,8 +38,7 @@ pub fn stage_layout(files: &mut Batch, path: &Path, result: &TileResult) -> Resu
 pub fn stage_steps(files: &mut Batch, folder: &Path, result: &TileResult) -> Result<(), RemeshError> {
     let count = result.parts.iter().map(|p| p.steps.len()).max().unwrap_or(0);
     for step in 0..count {
-        let tilings: Vec<&Tiling> =
-            result.parts.iter().filter_map(|p| p.steps.get(step).or(p.steps.last())).collect();
+        let tilings: Vec<&Tiling> = result.parts.iter().filter_map(|p| p.steps.get(step).or(p.steps.last())).collect();
         let unmapped: Vec<Mapped> = tilings.iter().map(|t| (*t, None)).collect();
         files.stage(&folder.join(format!("step_{step:03}.obj")), |out| write_obj(out, &unmapped))?;
         let layout = layout_of(&tilings);
@@ -151,7 +150,8 @@ fn layout_of(tilings: &[&Tiling]) -> Value {
         }
         let faces = tiling.faces_by_tile();
         for ((tile, cell), faces) in tiling.complex.cells.iter().zip(&faces) {
-            let side = |s: &quadloom_tiling::Side| json!({ "arc": s.arc.0 as usize + first_arc, "reversed": s.reversed });
+            let side =
+                |s: &quadloom_tiling::Side| json!({ "arc": s.arc.0 as usize + first_arc, "reversed": s.reversed });
             let boundaries: Vec<Vec<Value>> = cell.boundaries.iter().map(|b| b.iter().map(side).collect()).collect();
             tiles.push(json!({
                 "genus": cell.genus,

@@ -7,9 +7,7 @@ use crate::error::RemeshError;
 use quadloom_io::{IoError, read_text};
 use quadloom_mesh::{FaceMap, FaceSoup, TriMesh, VertexId};
 use quadloom_tiling::tiling::unrefined;
-use quadloom_tiling::{
-    ArcId, ArcMap, Cell, CellComplex, NodeId, NodeMap, Side, TileId, TileMap, Tiling,
-};
+use quadloom_tiling::{ArcId, ArcMap, Cell, CellComplex, NodeId, NodeMap, Side, TileId, TileMap, Tiling};
 use serde::Deserialize;
 use std::path::Path;
 use std::sync::Arc;
