@@ -35,15 +35,15 @@ pub fn test() -> Outcome {
     let sources = ["--from", "boundary", "--from", "vertices:7", "--isolines", "20", "--path-from", "vertices:200"];
     cargo(&[&words[..], &sources[..], &["-o", &csv, "--view", &page, "--quiet"]].concat())?;
     browse(&root().join("tests/viewer/distance.mjs"), &[&page])?;
-    // 4. The same for tiles: one, and several with holes.
-    let [torus, pants] = ["torus", "genus2"].map(|name| folder.join(format!("{name}-tiles")).display().to_string());
-    for (sample, into, file) in [("torus", "quads", &torus), ("genus2", "cylinders", &pants)] {
-        let words = ["run", "--release", "--quiet", "--package", "quadloom-cli", "--", "tile"];
-        let [input, mesh, page] = [format!("sample:{sample}"), format!("{file}.obj"), format!("{file}.html")];
-        let options = [&input, "--into", into, "-o", &mesh, "--view", &page, "--quiet"];
-        cargo(&[&words[..], &options[..]].concat())?;
-    }
-    browse(&root().join("tests/viewer/tiles.mjs"), &[&format!("{torus}.html"), &format!("{pants}.html")])
+    // 4. The same for tiles: a mapped square, and several with holes.
+    let [obj, torus, holes] =
+        ["tiles.obj", "torus.html", "holes.html"].map(|name| folder.join(name).display().to_string());
+    let words = ["run", "--release", "--quiet", "--package", "quadloom-cli", "--", "tile"];
+    let square = ["sample:torus", "--into", "quads", "--parametrize", "fixed", "-o", &obj, "--view", &torus, "--quiet"];
+    cargo(&[&words[..], &square[..]].concat())?;
+    let cylinders = ["sample:genus2", "--into", "cylinders", "-o", &obj, "--view", &holes, "--quiet"];
+    cargo(&[&words[..], &cylinders[..]].concat())?;
+    browse(&root().join("tests/viewer/tiles.mjs"), &[&torus, &holes])
 }
 
 /// Has a script work with a page.

@@ -358,6 +358,18 @@ function tileBuffer() {
   return data;
 }
 
+// Eight squares along a unit square; of maps with lengths of their own, about 48 along the largest tile.
+function squaresPerUnit() {
+  const ranges = new Map();
+  tiles.tile.forEach((tile, face) => {
+    const range = ranges.get(tile) ?? [Infinity, Infinity, -Infinity, -Infinity];
+    for (let i = 6 * face; i < 6 * face + 6; i++) { const k = i & 1, x = tiles.uv[i]; range[k] = Math.min(range[k], x); range[k + 2] = Math.max(range[k + 2], x); }
+    ranges.set(tile, range);
+  });
+  const extent = [...ranges.values()].reduce((most, [u, v, s, t]) => Math.max(most, s - u, t - v), 0);
+  return extent === 0 || (extent > 0.5 && extent < 2.5) ? 8 : 2 ** Math.round(Math.log2(48 / extent));
+}
+
 const valenceKind = valence => (valence === 3 ? 0 : valence === 5 ? 1 : 2);
 function singularityBuffer() {
   const data = new Float32Array(4 * singular.valence.length);
@@ -411,7 +423,7 @@ in float vValue;
 flat in float vQuality;
 flat in vec2 vTile;
 uniform vec3 base, back, ink;
-uniform float lineWidth, lineStrength, showQuality, showDistance, bands, showTiles, showChecker, marked, alpha;
+uniform float lineWidth, lineStrength, showQuality, showDistance, bands, showTiles, showChecker, perUnit, marked, alpha;
 uniform vec3 tileColours[8];
 uniform vec3 stops[6];
 uniform float places[6];
@@ -436,9 +448,9 @@ float squares(vec2 x) {
   vec2 tone = clamp(phase / (0.6 * pixel), -1.0, 1.0);
   return tone.x * tone.y * (1.0 - smoothstep(0.25, 0.7, max(pixel.x, pixel.y)));
 }
-// Eight squares per unit, and two, which are left from afar: towards white, or darker.
+// Squares, and ones four times as wide, which are left from afar: towards white, or darker.
 vec3 checker(vec3 c) {
-  float tone = 0.75 * squares(8.0 * vUv) + 0.25 * squares(2.0 * vUv);
+  float tone = 0.75 * squares(perUnit * vUv) + 0.25 * squares(0.25 * perUnit * vUv);
   return tone > 0.0 ? mix(c, vec3(1.0), 0.42 * tone) : c * (1.0 + 0.4 * tone);
 }
 vec3 tileColour() {
@@ -670,6 +682,7 @@ function drawSurface(layer, mesh, view, ratio, { base, back, ink, strength, qual
   gl.uniform1f(at.bands, distance?.bands ?? 1);
   gl.uniform1f(at.showTiles, tiled ? 1 : 0);
   gl.uniform1f(at.showChecker, checkered ? 1 : 0);
+  gl.uniform1f(at.perUnit, checkered ? made('squares', squaresPerUnit) : 1);
   gl.uniform1f(at.marked, state.marked ? state.tile : -1);
   gl.uniform3fv(at.tileColours, TILE_COLOURS[state.palette].flatMap(rgb));
   const stops = measured ? DISTANCE_STOPS[state.palette] : QUALITY_STOPS;
