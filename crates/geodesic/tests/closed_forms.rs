@@ -13,6 +13,10 @@ use quadloom_mesh::{DVec2, EdgeMap, FaceId, Progress, SurfacePoint, TriConnectiv
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::{PI, TAU};
 
+/// Error allowed, relative to the largest distance: what `docs/geodesic.md` promises. Most figures keep 1e-12; those cut
+/// to splinters have faces whose heights are known to fewer digits, since lengths tell them, and reach 1e-11.
+const ROUNDING: f64 = 1e-10;
+
 /// A surface whose faces lie in the plane: all of it, or each face for itself.
 struct Unfolded {
     mesh: TriConnectivity,
@@ -136,12 +140,12 @@ impl Unfolded {
         for (k, (p, all)) in places.iter().zip(&truths).enumerate() {
             let (found, exact) = (field.at(p).unwrap(), nearest(all));
             let error = (found.distance - exact) / largest;
-            assert!(error.abs() <= 1e-12, "{what}: place {k} has {} instead of {exact}: {error:.2e}", found.distance);
+            assert!(error.abs() <= ROUNDING, "{what}: place {k} has {} instead of {exact}: {error:.2e}", found.distance);
             let label = found.label.unwrap() as usize;
             assert!(all[label] <= exact + 1e-9 * largest, "{what}: place {k} is not nearest to source {label}");
             if k < self.mesh.vertex_count() {
                 let of_vertex = field.vertex_distance(VertexId::new(k));
-                assert!((of_vertex - exact).abs() <= 1e-12 * largest, "{what}: vertex {k}: {of_vertex} and {exact}");
+                assert!((of_vertex - exact).abs() <= ROUNDING * largest, "{what}: vertex {k}: {of_vertex} and {exact}");
             }
             if k % 7 == 0 {
                 let path = field.path_from(p).unwrap().unwrap();
@@ -489,7 +493,9 @@ fn middle_angle(corners: &[[f64; 2]; 3]) -> f64 {
 fn cones_and_saddles_unfold_around_their_tip() {
     for (k, total) in [1.3, 3.0, 4.0, TAU - 0.3, TAU, TAU + 1e-3, 7.5, 3.0 * PI, 11.0].into_iter().enumerate() {
         for seed in 0..4 {
-            let (flat, polars) = cone(total, [11, 5], Cut::Irregular, seed);
+            // Sectors so narrow that displaced vertices turn no face over.
+            let sectors = 11.max((2.0 * total).ceil() as usize);
+            let (flat, polars) = cone(total, [sectors, 5], Cut::Irregular, seed);
             let polar_of = |p: &SurfacePoint| {
                 let at = flat.place(p);
                 (at.length(), at.y.atan2(at.x) + middle_angle(&polars[p.face.index()]))
