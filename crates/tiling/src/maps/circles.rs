@@ -2,9 +2,9 @@
 //!
 //! In: a disk and its metric. Out: an angle per corner, which packing it was, the number of rounds. Holds: angles sum
 //! to 2π about interior vertices to [`TOLERANCE`]; circles of the border keep their radii, and the border is free.
-//! Source: [CollinsStephenson2003] (radii of the border given, §2); inversive distances of the mesh's own lengths
+//! Source: [CollinsStephenson2003] (radii of the border given); inversive distances of the mesh's own lengths
 //! [BowersStephenson2004], so that a flat tile keeps its lengths; Newton's method on the convex energy, extended by
-//! constant angles to radii of which no triangle can be made [Luo2011] §3.
+//! constant angles to radii of which no triangle can be made [Luo2011].
 //!
 //! | paper | here | meaning |
 //! |---|---|---|
@@ -25,7 +25,7 @@ use std::f64::consts::{PI, TAU};
 const TOLERANCE: f64 = 1e-12;
 
 /// Largest error that is accepted where rounding allows no less.
-const ACCEPTED: f64 = 1e-9;
+const ACCEPTED: f64 = 1e-8;
 
 /// Most rounds of Newton's method, and most halvings of a step.
 const LIMITS: (usize, usize) = (60, 30);

@@ -2,7 +2,7 @@
 //!
 //! In: a disk whose border is placed. Out: places of all vertices. Holds: the map of least Dirichlet energy
 //! among piecewise linear ones with this border. Not: free of folds, where triangles are obtuse and weights negative.
-//! Source: [Eck1995] §3.2, [PinkallPolthier1993] §2.
+//! Source: [Eck1995], [PinkallPolthier1993].
 
 use super::MapMethod;
 use super::disk::{Disk, NONE};

@@ -17,6 +17,7 @@ use quadloom_mesh::{DVec2, HalfEdgeId, TriMesh, VertexId, VertexMap};
 const REFINEMENTS: usize = 2;
 
 /// Weights of the neighbours of each interior vertex.
+#[derive(Clone)]
 pub(super) struct Rows {
     /// Where the neighbours of each interior vertex start.
     start: Vec<u32>,
@@ -72,7 +73,7 @@ impl Rows {
     }
 }
 
-/// Non-symmetric systems of one pattern: the rows of interior vertices, each divided by the sum of its weights.
+/// Non-symmetric systems of one pattern: Σ_j w_ij (x_i − x_j) of interior vertices i, where border vertices have x = 0.
 pub(super) struct RowSolver {
     matrix: Compressed,
     symbolic: SymbolicLu<u32>,
@@ -93,15 +94,11 @@ impl RowSolver {
         Ok(Self { matrix, symbolic })
     }
 
-    /// Places of interior vertices for these weights.
+    /// Factorises the system of these weights.
     ///
     /// Rows are the columns of the matrix that is factorised: each is dominated by its diagonal, so that partial
     /// pivoting finds the largest entry there and keeps the order of the unknowns.
-    pub fn settle(&self, disk: &Disk, rows: &Rows, place: &mut VertexMap<DVec2>) -> Result<(), MapError> {
-        let n = rows.len();
-        if n == 0 {
-            return Ok(());
-        }
+    pub fn factorize(&self, rows: &Rows) -> Result<Factor<'_>, MapError> {
         let values = self.matrix.values(rows);
         let mut numeric = NumericLu::new();
         let scratch = self.symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default());
@@ -110,14 +107,28 @@ impl RowSolver {
         self.symbolic
             .factorize_numeric_lu(&mut numeric, transposed, Par::Seq, MemStack::new(&mut memory), Default::default())
             .map_err(|e| fault(format!("{e:?}")))?;
-        let factor = LuRef::new_unchecked(&self.symbolic, &numeric);
-        rows.settle(disk, place, |b| {
-            let scratch = self.symbolic.solve_transpose_in_place_scratch::<f64>(2, Par::Seq);
-            let mut memory = MemBuffer::new(scratch);
-            let b = MatMut::from_column_major_slice_mut(b, n, 2);
-            factor.solve_transpose_in_place_with_conj(Conj::No, b, Par::Seq, MemStack::new(&mut memory));
-        });
-        Ok(())
+        Ok(Factor { solver: self, numeric })
+    }
+}
+
+/// A factorised system.
+pub(super) struct Factor<'a> {
+    solver: &'a RowSolver,
+    numeric: NumericLu<u32, f64>,
+}
+
+impl Factor<'_> {
+    /// Replaces columns of right sides by solutions.
+    pub fn solve(&self, b: &mut [f64], columns: usize) {
+        let symbolic = &self.solver.symbolic;
+        let mut memory = MemBuffer::new(symbolic.solve_transpose_in_place_scratch::<f64>(columns, Par::Seq));
+        let b = MatMut::from_column_major_slice_mut(b, self.solver.matrix.start.len() - 1, columns);
+        LuRef::new_unchecked(symbolic, &self.numeric).solve_transpose_in_place_with_conj(
+            Conj::No,
+            b,
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
     }
 }
 

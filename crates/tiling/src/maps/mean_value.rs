@@ -2,23 +2,22 @@
 //!
 //! In: a disk whose border is placed. Out: places of all vertices and the number of times weights were changed.
 //! Holds: no face is folded, by the exact test, or there is an error. Weights are always positive, so that the map is
-//! an embedding in exact arithmetic ([Floater2003b], [Tutte1963]); in doubles a long finger of the surface shrinks by
-//! e^(−2π·length/girth) until its places coincide, and then weights are divided by the stretch of the map, which moves
-//! vertices towards the tip of the finger apart ([Yoshizawa2004]), until its faces can be told apart.
+//! an embedding in exact arithmetic ([Floater2003b], [Tutte1963]). In doubles a long finger of the surface shrinks by
+//! e^(−k·length), k = 2π/girth, until its places coincide; see [`pull_outwards`] for what is done then.
+//! Source: [Floater2003]; that weights are changed and the system solved again until a map is good, [Yoshizawa2004],
+//! whose own rule, weights over stretch, was tried: it takes rounds with the square of a finger's length.
 //!
 //! | paper | here | meaning |
 //! |---|---|---|
 //! | λ_ij | `Rows::weight` | weight of neighbour j of interior vertex i |
-//! | Γ, γ | inside [`stretch_sq`] | singular values of the map from the plane to the surface |
-//! | σ_j | [`vertex_stretch`] | stretch of the map about vertex j |
 
 use super::checks::folded_faces;
-use super::disk::Disk;
+use super::disk::{Disk, NONE};
 use super::error::MapError;
-use super::harmonic::{RowSolver, Rows};
+use super::harmonic::{Factor, RowSolver, Rows};
 use super::metric::Metric;
 use super::{MapMethod, MapOptions};
-use quadloom_mesh::{DVec2, FaceId, Progress, TriMesh, VertexMap};
+use quadloom_mesh::{DVec2, Progress, TriMesh, VertexMap};
 
 /// Least weight in a row as a fraction of the largest.
 ///
@@ -26,12 +25,13 @@ use quadloom_mesh::{DVec2, FaceId, Progress, TriMesh, VertexMap};
 /// neighbours differ by less than doubles can tell, and the faces between them have no area.
 const LEAST_WEIGHT: f64 = 1e-9;
 
-/// Lengths in the plane below this are taken for noise of the solver.
+/// Pull of the first round, over the longest time; and its growth from round to round.
 ///
-/// Stretches beyond one over it are not told apart. Larger: a finger takes more rounds. Smaller: weights follow noise.
-const NOISE: f64 = 1e-14;
+/// A finger k·length = 35 long is the first that cannot be told apart, and needs about 80. Larger: maps of such
+/// fingers differ more from mean value maps than they must. Smaller: more rounds for long fingers.
+const PULL: [f64; 2] = [128.0, 4.0];
 
-/// Places of all vertices, and the number of rounds of re-weighting.
+/// Places of all vertices, and the number of rounds after the first.
 ///
 /// # Errors     [`MapError::Folded`] if folds are left after the allowed rounds
 pub(super) fn solve(
@@ -42,22 +42,28 @@ pub(super) fn solve(
     options: &MapOptions,
     progress: &Progress,
 ) -> Result<(VertexMap<DVec2>, usize), MapError> {
-    let mut rows = mean_value_weights(mesh, disk, metric);
-    let solver = RowSolver::analyse(disk, &rows)?;
+    let first = mean_value_weights(mesh, disk, metric);
+    let solver = RowSolver::analyse(disk, &first)?;
+    let mut rows = first.clone();
+    let mut time = None;
     let mut round = 0;
     loop {
         progress.check()?;
         progress.report("mean value map", round as f64 / (options.max_rounds + 1) as f64);
         let mut place = start(mesh, disk, border);
-        solver.settle(disk, &rows, &mut place)?;
+        if rows.len() > 0 {
+            let factor = solver.factorize(&rows)?;
+            rows.settle(disk, &mut place, |b| factor.solve(b, 2));
+            time.get_or_insert_with(|| times_to_border(mesh, disk, metric, &first, &factor));
+        }
         let folded = folded_faces(mesh, &place);
-        let Some(&face) = folded.first() else { return Ok((place, round)) };
+        let (Some(&face), Some(time)) = (folded.first(), &time) else { return Ok((place, round)) };
         if round == options.max_rounds {
             let advice = "allow more rounds, or cut the tile into smaller ones";
             let (count, method) = (folded.len(), MapMethod::MeanValue);
             return Err(MapError::Folded { face, count, method, rounds: round, advice });
         }
-        divide_by_stretch(&mut rows, &vertex_stretch(mesh, metric, &place));
+        rows = pull_outwards(disk, &first, time, PULL[0] * PULL[1].powi(round as i32));
         round += 1;
     }
 }
@@ -70,7 +76,7 @@ pub(super) fn start(mesh: &TriMesh, disk: &Disk, border: &[DVec2]) -> VertexMap<
     place
 }
 
-/// λ_ij = (tan(δ/2) + tan(γ/2)) / |ij| for the angles δ, γ at i beside the edge, then normalised ([Floater2003] (2.1)).
+/// λ_ij = (tan(δ/2) + tan(γ/2)) / |ij| for the angles δ, γ at i beside the edge [Floater2003].
 fn mean_value_weights(mesh: &TriMesh, disk: &Disk, metric: &Metric) -> Rows {
     let mut rows = Rows::new(mesh, disk, |h| {
         let right = mesh.rotate_cw(h).map_or(0.0, |r| metric.half_tan[r]);
@@ -88,38 +94,31 @@ fn normalise(rows: &mut Rows, i: usize) {
     weight.iter_mut().for_each(|w| *w = (*w / largest).max(LEAST_WEIGHT));
 }
 
-/// Weights for the next round: λ_ij / σ_j ([Yoshizawa2004] §3).
-fn divide_by_stretch(rows: &mut Rows, stretch: &VertexMap<f64>) {
-    for i in 0..rows.len() {
+/// Expected time of a diffusion from each vertex to the border: Σ_j λ_ij (t_i − t_j) = Σ_j λ_ij |ij|².
+///
+/// It grows towards the tip of every finger, and does not shrink exponentially as places do.
+fn times_to_border(mesh: &TriMesh, disk: &Disk, metric: &Metric, rows: &Rows, factor: &Factor<'_>) -> VertexMap<f64> {
+    let length = |i: usize| mesh.outgoing(disk.interior[i]).map(|h| metric.length[mesh.edge(h)]);
+    let step = |i: usize| rows.row(i).zip(length(i)).map(|(at, l)| rows.weight[at] * l * l).sum();
+    let mut times: Vec<f64> = (0..rows.len()).map(step).collect();
+    factor.solve(&mut times, 1);
+    disk.inner.map(|&i| if i == NONE { 0.0 } else { times[i as usize] })
+}
+
+/// Weights λ_ij · (1 + κ (t_i − t_j)) where j is nearer to the border than i, for κ = pull / max t.
+///
+/// On a tube x from its closed end the time has slope 2x, places are r(x)·e^(ikθ), and r'' + 2κx·r' − k²r = 0: r is
+/// x^p with p = k²/2κ far from the end, where without pull it is e^(kx). Where edges are long against 1/κx this is the
+/// upwind difference, which does not overshoot.
+fn pull_outwards(disk: &Disk, first: &Rows, time: &VertexMap<f64>, pull: f64) -> Rows {
+    let longest = time.values().iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let mut rows = first.clone();
+    for (i, &v) in disk.interior.iter().enumerate() {
         for at in rows.row(i) {
-            rows.weight[at] /= stretch[rows.neighbour[at]];
+            let outwards = ((time[v] - time[rows.neighbour[at]]) / longest).max(0.0);
+            rows.weight[at] *= 1.0 + pull * outwards;
         }
-        normalise(rows, i);
+        normalise(&mut rows, i);
     }
-}
-
-/// Root mean square over a vertex's faces, by area on the surface, of the stretch ([Yoshizawa2004] (4)).
-fn vertex_stretch(mesh: &TriMesh, metric: &Metric, place: &VertexMap<DVec2>) -> VertexMap<f64> {
-    let mut sums = VertexMap::filled(mesh.vertex_count(), (0.0, 0.0));
-    for f in mesh.faces() {
-        let area = metric.area(mesh, f);
-        let stretched = area * stretch_sq(mesh, metric, place, f);
-        for v in mesh.face_vertices(f) {
-            sums[v] = (sums[v].0 + area, sums[v].1 + stretched);
-        }
-    }
-    sums.map(|(area, stretched)| (stretched / area).sqrt())
-}
-
-/// (Γ² + γ²)/2 of the map of a face from the plane to the surface, kept finite where its place is noise.
-fn stretch_sq(mesh: &TriMesh, metric: &Metric, place: &VertexMap<DVec2>, f: FaceId) -> f64 {
-    let [a, b, c] = mesh.face_vertices(f).map(|v| place[v]);
-    let length_sq = mesh.face_half_edges(f).map(|h| metric.length[mesh.edge(h)].powi(2));
-    // Dirichlet energy of the inverse map: Σ cot(flat angle) · |opposite side|² / (4 · flat area).
-    let (ab, bc, ca) = (b - a, c - b, a - c);
-    let dots = [-(bc.dot(ca)), -(ca.dot(ab)), -(ab.dot(bc))];
-    let noise_sq = NOISE * NOISE;
-    let energy: f64 = (0..3).map(|k| (dots[k] + noise_sq) * length_sq[k]).sum();
-    let doubled = ab.perp_dot(-ca).max(0.0) + noise_sq;
-    energy.max(noise_sq * length_sq.iter().sum::<f64>()) / (doubled * doubled)
+    rows
 }

@@ -2,7 +2,7 @@
 //!
 //! In: a mesh. Out: [`Metric`]: lengths in units of their mean, angles. Holds: every triangle inequality is strict by
 //! [`LEAST_SLACK`], so that every angle lies inside (0, π), its cotangent is finite, and a planar tile whose triangles
-//! are sound keeps its lengths as they are. Source: intrinsic mollification [SharpCrane2020] §4.5.
+//! are sound keeps its lengths as they are. Source: intrinsic mollification [SharpCrane2020].
 
 use super::error::MapError;
 use quadloom_mesh::metric::edge_lengths;

@@ -92,8 +92,8 @@ pub struct MapOptions {
     /// Place of each border vertex along its side, 0..1 from the side's first corner, ascending; other entries are
     /// ignored. Default: [`side_parameters`].
     pub side_parameters: Option<VertexMap<f64>>,
-    /// Most rounds of re-weighting of a mean value map whose faces cannot be told apart. Default: 40. Larger: longer
-    /// fingers; each round costs one solve.
+    /// Most rounds in which a mean value map whose faces cannot be told apart is drawn outwards. Default: 16, of which
+    /// a finger a hundred times as long as its girth needs 6. Each costs one solve.
     pub max_rounds: usize,
     /// Whether maps other than mean value are returned although they fold; their report lists the faces. Default: no.
     pub allow_folds: bool,
@@ -106,7 +106,7 @@ impl Default for MapOptions {
         Self {
             border: Border::default(),
             side_parameters: None,
-            max_rounds: 40,
+            max_rounds: 16,
             allow_folds: false,
             packing: PackingKind::default(),
         }
@@ -136,11 +136,12 @@ pub struct MapReport {
     pub border_vertices: usize,
     /// Number of corners.
     pub corners: usize,
-    /// Rounds of the method: re-weighting (mean value; 0: the weights of the paper), of Newton's method (free border).
+    /// Rounds of the method. Mean value: drawing outwards; 0 for the weights of the paper. Free border: steps of Newton's
+    /// method.
     pub rounds: usize,
     /// Largest error of the angle conditions, radians; 0 for fixed borders.
     pub residual: f64,
-    /// Which circles were packed, for circle packings.
+    /// Which circles were packed: for circle packings, and for angle-based maps that had to be sought from one.
     pub packing: Option<PackingKind>,
     /// Number of triangles that are degenerate: flat to 1e-8 of the mean edge length, or nearly so.
     pub degenerate_faces: usize,
@@ -222,9 +223,9 @@ fn to_border(
 }
 
 fn flatten_angles(mesh: &TriMesh, disk: &Disk, metric: &Metric, progress: &Progress) -> Result<Found, MapError> {
-    let (angle, rounds, residual) = angles::flatten(mesh, disk, metric, progress)?;
-    let uv = laid_out(mesh, disk, metric, &angle, MapMethod::AngleBased)?;
-    Ok(Found { uv, rounds, residual, packing: None })
+    let flat = angles::flatten(mesh, disk, metric, progress)?;
+    let uv = laid_out(mesh, disk, metric, &flat.angle, MapMethod::AngleBased)?;
+    Ok(Found { uv, rounds: flat.rounds, residual: flat.residual, packing: flat.start })
 }
 
 fn pack_circles(
