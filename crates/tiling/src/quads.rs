@@ -185,6 +185,7 @@ impl Cutting<'_> {
         let is_corner: HashSet<u32> = corners.iter().copied().collect();
         for i in 0..m {
             self.progress.check()?;
+            self.progress.report("distances", i as f64 / m as f64);
             let mut left = m;
             self.search.spread(&self.surface, &self.units, &[(corners[i], 0)], |v| {
                 left -= usize::from(is_corner.contains(&v));
@@ -200,8 +201,9 @@ impl Cutting<'_> {
     /// Cuts along the chosen diagonals, shortest first.
     fn cut_diagonals(&mut self, corners: &[u32], choice: Choice, net: Option<&Net>) -> Result<(), TilingError> {
         let mut copies: HashMap<u32, Vec<u32>> = corners.iter().map(|&v| (v, vec![v])).collect();
-        for &(i, j) in &choice.diagonals {
+        for (k, &(i, j)) in choice.diagonals.iter().enumerate() {
             self.progress.check()?;
+            self.progress.report("diagonals", k as f64 / choice.diagonals.len() as f64);
             let [from, to] = [corners[i], corners[j]];
             let (sources, targets) = (copies[&from].clone(), copies[&to].clone());
             let before = self.surface.vertex_count();

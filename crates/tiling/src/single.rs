@@ -50,6 +50,7 @@ pub fn cut_shortest<'a>(
     cutting.slit_sphere(options)?;
     while let Some(found) = cutting.shortest_connection() {
         progress.check()?;
+        progress.report("connections", 0.0);
         cutting.cut_along(&found.walk, CutKind::Connection)?;
     }
     cutting.must_be_disk()?;
@@ -107,8 +108,9 @@ pub fn cut_single_point<'a>(
     let found = classes(&cutting.surface, &cutting.units, root, Borders::Capped, &forced);
     let mut closing: Vec<u32> = found.closing.clone();
     closing.sort_by_key(|&h| !forced.contains(&h));
-    for &h in &closing {
+    for (k, &h) in closing.iter().enumerate() {
         progress.check()?;
+        progress.report("loops", k as f64 / closing.len() as f64);
         cutting.cut_tree_loop(mesh.edge(HalfEdgeId(h)), root, &found)?;
     }
     cutting.must_be_disk()?;

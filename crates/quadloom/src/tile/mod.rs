@@ -161,6 +161,11 @@ pub fn tile_surface(soup: &FaceSoup, request: &TileRequest, progress: &Progress)
     progress.report("repair", 0.0);
     crate::input::check_extent(soup)?;
     let repaired = repair(soup, &RepairOptions { zero_area_rel: 0.0, ..RepairOptions::default() })?;
+    if request.cut.is_some() && matches!(request.into, Into::Pants | Into::Cylinders) {
+        let why =
+            "it goes with --into disk, schema and quads; pants and cylinders are cut along loops that are looked for";
+        return Err(RemeshError::Mismatch { what: "--cut", why: why.into() });
+    }
     let given = Given::read(soup, &repaired, request)?;
     let components = split_components(&repaired.mesh).map_err(TilingError::from)?;
     seconds.repair = clock.elapsed().as_secs_f64();
