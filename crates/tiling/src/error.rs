@@ -80,6 +80,14 @@ pub enum TilingError {
         /// The largest id.
         last: usize,
     },
+    /// A path of the user's is not valid in the cell.
+    #[error("the path is not valid at its vertex number {at}: {why}")]
+    Path {
+        /// Index in the path.
+        at: usize,
+        /// What is wrong.
+        why: &'static str,
+    },
     /// Forbidden edges leave no way.
     #[error("{what}: the edges where no cut may run leave no way; forbid fewer")]
     NoWay {

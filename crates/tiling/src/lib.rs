@@ -12,7 +12,7 @@
 //! | 2-m-cell, m-cellular complex (Def. 2) | [`Cell`], [`CellComplex`] |
 //! | M-tile, M-tiling (C, M, F) (Def. 3, 4) | [`Tiling`] |
 //! | multipoint | image of a node |
-//! | valid 1-path, 1-loop (Def. 5) | a walk in the cell C |
+//! | valid 1-path, 1-loop (Def. 5) | [`MeshPath`], [`LoopKind`]; [`Cutting::cut_path`] cuts along one |
 //! | Algorithms 1, 2, 3 | [`cut_shortest`], [`cut_single_point`], [`cut_intermediate`] |
 //! | Algorithms 4, 5 | [`Cutting::quadrangulate`] |
 //! | Lemma 1, §4.1 | [`cut_given`], [`Tiling::merged`] |
@@ -43,6 +43,7 @@ pub mod given;
 pub mod ids;
 pub mod maps;
 pub mod pants;
+pub mod paths;
 pub mod quads;
 mod search;
 pub mod single;
@@ -57,6 +58,7 @@ pub use error::TilingError;
 pub use given::cut_given;
 pub use ids::{ArcId, ArcMap, NodeId, NodeMap, TileId, TileMap};
 pub use pants::{cut_into_cylinders, cut_into_pants};
+pub use paths::{LoopKind, MeshPath};
 pub use quads::{DiagonalChoice, QuadOptions, QuadReport};
 pub use single::{cut_intermediate, cut_shortest, cut_single_point, cut_to_disk};
 pub use tile_mesh::{OnFailure, TileMaps, TileMesh, map_tiles};

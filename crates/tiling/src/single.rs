@@ -128,25 +128,28 @@ impl Cutting<'_> {
             self.progress.report("loops", handle as f64 / genus as f64);
             let root = self.vertex_at(base.unwrap_or(0))?;
             let known = classes(&self.surface, &self.units, root, Borders::Capped, &[]);
-            let fixed = base.map(|_| root);
-            let fast = self.fast_loop(&known, fixed)?;
-            let found = match options.search {
-                SearchMode::Fast => fast,
-                SearchMode::Exact => {
-                    let bases = bases.get_or_insert_with(|| Bases::on_cut_graph(&self.surface, &known));
-                    bases.shortest_loop(
-                        &self.surface,
-                        &self.units,
-                        &known.class,
-                        &mut self.search,
-                        fast,
-                        self.progress,
-                    )?
-                }
-            };
+            let found = self.loop_of(&known, base.map(|_| root), options.search, &mut bases)?;
             self.cut_loop(&found.walk)?;
         }
         Ok(())
+    }
+
+    /// A short non-separating loop, or the shortest one of all.
+    ///
+    /// # Input      bases: of earlier exact searches in the same mesh; filled by the first
+    pub(crate) fn loop_of(
+        &mut self,
+        known: &Classes,
+        base: Option<u32>,
+        search: SearchMode,
+        bases: &mut Option<Bases>,
+    ) -> Result<Found, TilingError> {
+        let fast = self.fast_loop(known, base)?;
+        if search == SearchMode::Fast {
+            return Ok(fast);
+        }
+        let bases = bases.get_or_insert_with(|| Bases::on_cut_graph(&self.surface, known));
+        bases.shortest_loop(&self.surface, &self.units, &known.class, &mut self.search, fast, self.progress)
     }
 
     /// A vertex of C at a vertex of the mesh.
@@ -186,7 +189,7 @@ impl Cutting<'_> {
     }
 
     /// The shortest walk between two boundaries of C; `None` if there is one boundary.
-    fn shortest_connection(&mut self) -> Option<Found> {
+    pub(crate) fn shortest_connection(&mut self) -> Option<Found> {
         let borders = self.surface.borders();
         if borders.len() < 2 {
             return None;
@@ -422,7 +425,7 @@ fn shortest_pair(
 }
 
 /// Vertices that every non-separating loop passes, with what is known of the loops there.
-struct Bases {
+pub(crate) struct Bases {
     /// By vertex of the mesh: no non-separating loop at it is shorter; `None` for others.
     least: BTreeMap<u32, u64>,
 }
