@@ -154,3 +154,41 @@ fn first_direction(disk: &Disk, place: &VertexMap<DVec2>, origin: DVec2) -> DVec
     let along = (place[disk.at(end)] - origin).normalize_or(DVec2::X);
     DVec2::new(along.x, -along.y)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use quadloom_mesh::shapes;
+
+    #[test]
+    fn angles_that_do_not_fit_are_met_by_least_squares() {
+        // A flat square whose angles are off by up to 1e-4: unfolding adds errors up, least squares spread them.
+        let n = 20u32;
+        let at = |i: u32, j: u32| j * (n + 1) + i;
+        let places: Vec<DVec2> =
+            (0..=n).flat_map(|j| (0..=n).map(move |i| DVec2::new(f64::from(i), f64::from(j)))).collect();
+        let squares = (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
+        let faces: Vec<[u32; 3]> = squares
+            .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]])
+            .collect();
+        let mesh = TriMesh::new(places.iter().map(|p| p.extend(0.0)).collect(), &faces).unwrap();
+        let corners = [0, n, at(n, n), at(0, n)].map(VertexId);
+        let disk = Disk::new(&mesh, &corners).unwrap();
+        let angle = CornerMap::from_fn(mesh.half_edge_count(), |h| {
+            let side = |h: HalfEdgeId| mesh.position(mesh.target(h)) - mesh.position(mesh.origin(h));
+            side(h).angle_between(-side(mesh.prev(h))) + 1e-4 * (shapes::random(5, u64::from(h.0)) - 0.5)
+        });
+        let area = f64::from(n * n);
+        let found = lay_out(&mesh, &disk, &angle, area).unwrap();
+        let mut unfolded = Unfolded::new(&mesh, &angle).place;
+        normalise(&mesh, &disk, area, &mut unfolded);
+        let error =
+            |uv: &VertexMap<DVec2>| mesh.vertices().map(|v| uv[v].distance(places[v.index()])).fold(0.0, f64::max);
+        assert!(
+            error(&found) < 2e-3 && 1.5 * error(&found) < error(&unfolded),
+            "{} {}",
+            error(&found),
+            error(&unfolded)
+        );
+    }
+}

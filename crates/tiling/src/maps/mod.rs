@@ -85,7 +85,8 @@ pub enum PackingKind {
 }
 
 /// Options of [`map_tile`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct MapOptions {
     /// Where a fixed border goes. Default: polygon.
     pub border: Border,
