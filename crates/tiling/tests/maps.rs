@@ -284,7 +284,8 @@ fn a_cone_cut_open_is_unrolled_and_a_whole_one_is_spread_evenly() {
         assert!(error < 0.5, "{method}: {error}");
         assert!(unrolled.map(method).report.distortion.angle_largest < 1e-8);
     }
-    // Whole: n equal triangles about the tip. By symmetry each flat one has 2π/n there, the rest at its two other corners.
+    // Whole: n equal triangles about the tip. By symmetry each flat one has 2π/n there, and the rest at its
+    // two other corners.
     for n in [5u32, 12, 31] {
         let whole = revolved(n, &[(1.0, 0.0)], 1.5);
         let side = (1.0f64 + 1.5 * 1.5).sqrt();
@@ -402,8 +403,8 @@ fn angle_based_maps_are_nearest_to_the_angles_of_the_surface() {
     }
 }
 
-/// Σ (flat angle / wanted angle − 1)² over the faces of one vertex or of all; about inner vertices the wanted angles are
-/// those of the surface scaled to 2π.
+/// Σ (flat angle / wanted angle − 1)² over the faces of one vertex or of all; about inner vertices the wanted angles
+/// are those of the surface scaled to 2π.
 fn cost(disk: &Disk, uv: &VertexMap<DVec2>, about: Option<VertexId>) -> f64 {
     let mesh = &disk.mesh;
     let squares = |h: HalfEdgeId| {

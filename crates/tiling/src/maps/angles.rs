@@ -4,7 +4,8 @@
 //! (0, π), sum to π in every face and to 2π about every interior vertex, and sides around interior vertices close,
 //! each to [`ACCEPTED`] at worst; the border is free. Source: the problem of [ShefferDeSturler2001] with the wheel
 //! condition in logarithms [Zayer2007]; differs: sequential quadratic programming without the curvature of the
-//! constraints, with a line search, then Newton's method onto the constraints; faces are eliminated as in [Sheffer2005].
+//! constraints, with a line search, then Newton's method onto the constraints; faces are eliminated as in
+//! [Sheffer2005].
 //!
 //! | paper | here | meaning |
 //! |---|---|---|

@@ -1,7 +1,7 @@
 //! Circle packings: radii whose triangles are flat about every interior vertex.
 //!
 //! In: a disk and its metric. Out: an angle per corner, which packing it was, the number of rounds. Holds: angles sum
-//! to 2π about interior vertices to [`ACCEPTED`] at worst; circles of the border keep their radii, and the border is free.
+//! to 2π about interior vertices to [`ACCEPTED`] at worst; circles of the border keep their radii; the border is free.
 //! Source: [CollinsStephenson2003] (radii of the border given); inversive distances of the mesh's own lengths
 //! [BowersStephenson2004], so that a flat tile keeps its lengths; Newton's method on the convex energy, extended by
 //! constant angles to radii of which no triangle can be made [Luo2011].

@@ -137,8 +137,8 @@ pub struct MapReport {
     pub border_vertices: usize,
     /// Number of corners.
     pub corners: usize,
-    /// Rounds of the method. Mean value: drawing outwards; 0 for the weights of the paper. Free border: steps of Newton's
-    /// method.
+    /// Rounds of the method. Mean value: drawing outwards; 0 for the weights of the paper. Free border: steps
+    /// of Newton's method.
     pub rounds: usize,
     /// Largest error of the angle conditions, radians; 0 for fixed borders.
     pub residual: f64,
