@@ -1,6 +1,7 @@
 //! Times and lengths of every method on generated surfaces, as JSON lines ([Favreau2009] Table 1, Figures 16 and 17).
 //!
-//! `cargo run --release -p quadloom-tiling --example table [-- series|holes]`
+//! `cargo run --release -p quadloom-tiling --example table`; with `-- write FOLDER` it writes the surfaces instead, and
+//! plates with 100 holes.
 #![allow(clippy::print_stdout, reason = "a program")]
 
 use quadloom_mesh::{Progress, Summary, TriMesh, shapes};
@@ -9,13 +10,11 @@ use serde_json::json;
 use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let which = std::env::args().nth(1).unwrap_or("series".into());
-    if which == "holes" {
-        for (genus, vertices) in [(100, 31_250), (100, 125_000), (100, 500_000)] {
-            let mesh = shapes::many_holes(genus, vertices);
-            row(&mesh, 0, Method::SinglePoint, SearchMode::Fast)?;
-        }
-        return Ok(());
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    if let [verb, folder] = &args[..]
+        && verb == "write"
+    {
+        return write(std::path::Path::new(folder));
     }
     for genus in 1..=4 {
         for level in 0..if genus < 3 { 4 } else { 3 } {
@@ -26,6 +25,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 }
             }
         }
+    }
+    Ok(())
+}
+
+/// Writes all surfaces as OBJ.
+fn write(folder: &std::path::Path) -> Result<(), Box<dyn std::error::Error>> {
+    let mut surfaces: Vec<(String, TriMesh)> = Vec::new();
+    for genus in 1..=4 {
+        surfaces.extend((0..4).map(|level| (format!("genus{genus}_level{level}"), shapes::genus_series(genus, level))));
+    }
+    for vertices in [31_250, 125_000, 500_000] {
+        surfaces.push((format!("holes100_{vertices}"), shapes::many_holes(100, vertices)));
+    }
+    for (name, mesh) in surfaces {
+        let faces = mesh.to_faces().iter().map(|f| f.to_vec()).collect();
+        let surface = quadloom_io::SurfaceOut::new(mesh.positions().values().to_vec(), faces);
+        quadloom_io::write_surface(folder.join(format!("{name}.obj")), &surface, &Default::default())?;
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ mod geodesic;
 mod runner;
 mod suites;
 mod table;
+mod tiling;
 
 use crate::shell::{Outcome, cargo, root};
 use serde_json::json;

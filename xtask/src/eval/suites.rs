@@ -17,6 +17,7 @@ pub fn run(settings: &Settings) -> Result<Evaluation, String> {
         "features" => features(settings),
         "distance" => distance(settings),
         "geodesic" => super::geodesic::run(settings),
+        "tiling" => super::tiling::run(settings),
         "speed" => speed(settings),
         "threads" => threads(settings),
         "nasty" => nasty(settings),
