@@ -33,4 +33,6 @@ pub use fields::{RawField, read_rawfield, read_rosy, stage_rawfield, stage_rosy,
 pub use format::Format;
 pub use guides::{Guide, read_guides, write_guides};
 pub use singularities::{Singularity, read_singularities, stage_singularities, write_singularities};
-pub use surface::{Encoding, SurfaceOut, WriteOptions, WriteWarning, read_soup, read_text, stage_surface, write_surface};
+pub use surface::{
+    Encoding, SurfaceOut, WriteOptions, WriteWarning, read_soup, read_text, stage_surface, write_surface,
+};

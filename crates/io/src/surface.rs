@@ -34,10 +34,8 @@ pub fn read_soup(path: impl AsRef<Path>) -> Result<FaceSoup, IoError> {
 /// # Errors     every [`IoError`] of reading; a file that is no UTF-8 is one
 pub fn read_text(path: impl AsRef<Path>) -> Result<String, IoError> {
     let path = path.as_ref();
-    String::from_utf8(read_bytes(path)?).map_err(|_| IoError::Mismatch {
-        path: path.to_path_buf(),
-        what: "the file is no text (UTF-8)".into(),
-    })
+    String::from_utf8(read_bytes(path)?)
+        .map_err(|_| IoError::Mismatch { path: path.to_path_buf(), what: "the file is no text (UTF-8)".into() })
 }
 
 /// The bytes of a file that is not empty.
