@@ -133,8 +133,9 @@ impl Crossing {
 
     /// Propagates a pencil, given in the frame of the base: what arrives on the next and on the previous side.
     ///
-    /// # Output     the distance of the apex where a side has no length, so that no window ends there
-    pub fn cross(&self, pencil: &Pencil, next: &mut Vec<Window>, prev: &mut Vec<Window>) -> Option<f64> {
+    /// Nothing arrives on a side without length. Its ends are saddles, since a face without area leaves the sum of their
+    /// angles open, and tell each other their distances when they are reached.
+    pub fn cross(&self, pencil: &Pencil, next: &mut Vec<Window>, prev: &mut Vec<Window>) {
         let Apex { base, right, left, x: cx, y: cy } = self.apex;
         let Pencil { window: w, rays: [r0, r1] } = pencil;
         let ([sx, sy], sigma) = w.source();
@@ -177,9 +178,6 @@ impl Crossing {
                 prev.push(child.reversed(left).with_error(w.error));
             }
         }
-        // 4. Sides without length.
-        (right <= 0.0 || left <= 0.0)
-            .then(|| if linear { sigma + sx * cx + sy * cy } else { sigma + (cx - sx).hypot(cy + sy) })
     }
 }
 

@@ -612,10 +612,7 @@ impl<'a> Wavefront<'a> {
         let crossing = Crossing::new(self.surface, h);
         let (mut next, mut prev) = (std::mem::take(&mut self.scratch.next), std::mem::take(&mut self.scratch.prev));
         for pencil in pencils {
-            if let Some(at_apex) = crossing.cross(pencil, &mut next, &mut prev) {
-                let w = &pencil.window;
-                self.reach(self.surface.connectivity().origin(crossing.prev), at_apex, w.root(), w.error);
-            }
+            crossing.cross(pencil, &mut next, &mut prev);
         }
         self.enter_all(crossing.next, &mut next, true);
         self.enter_all(crossing.prev, &mut prev, true);

@@ -1,4 +1,4 @@
-//! Exact distances against closed forms, to 1e-12 of the largest; lengths of traced paths to 1e-10.
+//! Exact distances against closed forms, to 1e-12 of the largest (1e-11 on needles); lengths of traced paths to 1e-10.
 //!
 //! In: surfaces that unfold to the plane, told by connectivity and edge lengths alone: a plane with convex outline, one
 //! with obstacles, cylinder, cones of less and more than a full turn, cube, octahedron, regular tetrahedron, flat torus,
@@ -7,15 +7,21 @@
 
 mod common;
 
-use common::dice;
-use quadloom_geodesic::{CurveTracer, IntrinsicSurface, Options, Source, SourceShape, Wavefront};
+use common::{Oracle, dice};
+use quadloom_geodesic::{CurveTracer, IntrinsicSurface, Options, Source, SourceShape, Wavefront, vertex_distances};
 use quadloom_mesh::{DVec2, EdgeMap, FaceId, Progress, SurfacePoint, TriConnectivity, VertexId};
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::{PI, TAU};
 
-/// Error allowed, relative to the largest distance: what `docs/geodesic.md` promises. Most figures keep 1e-12; those cut
-/// to splinters have faces whose heights are known to fewer digits, since lengths tell them, and reach 1e-11.
-const ROUNDING: f64 = 1e-10;
+/// Error allowed, relative to the largest distance.
+const ROUNDING: f64 = 1e-12;
+/// The same on figures cut to needles. The crate is told lengths, whose rounding moves the apex of a triangle by their
+/// square over its height: 1e-10 sides where it is as thin as 1e-6, of which up to 6e-12 are left in a distance. Paths
+/// unfolded with fifty digits from the lengths as told differ from the closed forms by as much, and from the crate by
+/// 1e-14.
+const ROUNDING_ON_NEEDLES: f64 = 1e-11;
+/// What a needle is: height by longest side.
+const NEEDLE: f64 = 1e-5;
 
 /// A surface whose faces lie in the plane: all of it, or each face for itself.
 struct Unfolded {
@@ -34,6 +40,20 @@ impl Unfolded {
             corners[face][k].distance(corners[face][(k + 1) % 3])
         });
         Self { mesh, corners, length }
+    }
+
+    /// The same, of faces that are all seen from above: where one is turned over, the figure overlaps itself, and
+    /// distances on it are shorter or longer than those of the figure without.
+    fn upright(self) -> Self {
+        assert!(self.corners.iter().all(|t| twice_area(t) > 0.0), "no face is turned over");
+        self
+    }
+
+    /// Least height of a face by its longest side.
+    fn thinnest(&self) -> f64 {
+        let longest = |[a, b, c]: &[DVec2; 3]| a.distance(*b).max(b.distance(*c)).max(c.distance(*a));
+        let thin = |t| twice_area(t).abs() / longest(t).powi(2);
+        self.corners.iter().map(thin).fold(f64::INFINITY, f64::min)
     }
 
     fn place(&self, p: &SurfacePoint) -> DVec2 {
@@ -137,15 +157,20 @@ impl Unfolded {
         let truths: Vec<Vec<f64>> = places.iter().map(truth).collect();
         let nearest = |all: &[f64]| all.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = truths.iter().map(|t| nearest(t)).fold(0.0, f64::max);
+        let rounding = if self.thinnest() < NEEDLE { ROUNDING_ON_NEEDLES } else { ROUNDING };
         for (k, (p, all)) in places.iter().zip(&truths).enumerate() {
             let (found, exact) = (field.at(p).unwrap(), nearest(all));
             let error = (found.distance - exact) / largest;
-            assert!(error.abs() <= ROUNDING, "{what}: place {k} has {} instead of {exact}: {error:.2e}", found.distance);
+            assert!(
+                error.abs() <= rounding,
+                "{what}: place {k} has {} instead of {exact}: {error:.2e}",
+                found.distance
+            );
             let label = found.label.unwrap() as usize;
             assert!(all[label] <= exact + 1e-9 * largest, "{what}: place {k} is not nearest to source {label}");
             if k < self.mesh.vertex_count() {
                 let of_vertex = field.vertex_distance(VertexId::new(k));
-                assert!((of_vertex - exact).abs() <= ROUNDING * largest, "{what}: vertex {k}: {of_vertex} and {exact}");
+                assert!((of_vertex - exact).abs() <= rounding * largest, "{what}: vertex {k}: {of_vertex} and {exact}");
             }
             if k % 7 == 0 {
                 let path = field.path_from(p).unwrap().unwrap();
@@ -263,7 +288,12 @@ fn plane(n: usize, cut: Cut, seed: u64, inside: impl Fn(usize, usize) -> bool) -
             corners.push([a, b, c].map(|k| at(cell[k].0, cell[k].1)));
         }
     }
-    Unfolded::new(vertices as usize, &faces, corners)
+    Unfolded::new(vertices as usize, &faces, corners).upright()
+}
+
+/// Negative where the corners run clockwise.
+fn twice_area([a, b, c]: &[DVec2; 3]) -> f64 {
+    (*b - *a).perp_dot(*c - *a)
 }
 
 fn to_segment(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
@@ -411,7 +441,7 @@ fn wrapped([m, n]: [usize; 2], closed: bool, cut: Cut, seed: u64, at: impl Fn(f6
             corners.push(t.map(|(i, j)| place(i, j)));
         }
     }
-    Unfolded::new(rows * m, &faces, corners)
+    Unfolded::new(rows * m, &faces, corners).upright()
 }
 
 #[test]
@@ -452,7 +482,13 @@ fn a_flat_torus_has_the_distances_of_its_lattice() {
 }
 
 /// A fan of rings around a vertex with the given sum of angles; polar coordinates of each face's corners.
-fn cone(total: f64, [m, rings]: [usize; 2], cut: Cut, seed: u64) -> (Unfolded, Vec<[[f64; 2]; 3]>) {
+fn cone(total: f64, sizes: [usize; 2], cut: Cut, seed: u64) -> (Unfolded, Vec<[[f64; 2]; 3]>) {
+    let (flat, polars) = cone_or_folded(total, sizes, cut, seed);
+    (flat.upright(), polars)
+}
+
+/// The same of any sectors: displaced vertices of wide ones turn faces over. That is a surface, but not a cone.
+fn cone_or_folded(total: f64, [m, rings]: [usize; 2], cut: Cut, seed: u64) -> (Unfolded, Vec<[[f64; 2]; 3]>) {
     let (faces, polars) = fan(total, [m, rings], cut, seed);
     // Each face in a plane of its own, with the tip at the origin and its middle direction along x.
     let corners = polars.iter().map(|corners| {
@@ -493,7 +529,7 @@ fn middle_angle(corners: &[[f64; 2]; 3]) -> f64 {
 fn cones_and_saddles_unfold_around_their_tip() {
     for (k, total) in [1.3, 3.0, 4.0, TAU - 0.3, TAU, TAU + 1e-3, 7.5, 3.0 * PI, 11.0].into_iter().enumerate() {
         for seed in 0..4 {
-            // Sectors so narrow that displaced vertices turn no face over.
+            // Narrow enough for displaced vertices.
             let sectors = 11.max((2.0 * total).ceil() as usize);
             let (flat, polars) = cone(total, [sectors, 5], Cut::Irregular, seed);
             let polar_of = |p: &SurfacePoint| {
@@ -511,6 +547,25 @@ fn cones_and_saddles_unfold_around_their_tip() {
             });
         }
     }
+}
+
+#[test]
+fn saddles_of_folded_fans_have_the_distances_of_brute_force() {
+    let mut folded = 0;
+    for (total, seed) in [7.5, 9.0, 11.0, 13.0].into_iter().flat_map(|total| (0..8).map(move |seed| (total, seed))) {
+        let (flat, _) = cone_or_folded(total, [11, 5], Cut::Irregular, seed);
+        folded += usize::from(flat.corners.iter().any(|t| twice_area(t) <= 0.0));
+        let (oracle, surface) =
+            (Oracle::new(&flat.mesh, &flat.length), IntrinsicSurface::new(&flat.mesh, &flat.length).unwrap());
+        let v = VertexId::new((dice(seed, 1) * flat.mesh.vertex_count() as f64) as usize);
+        let truth = oracle.distances(&[(v, 0.0)]);
+        let largest = truth.iter().copied().fold(0.0, f64::max);
+        for (u, &d) in vertex_distances(&surface, &[Source::vertex(v)]).unwrap().iter() {
+            let exact = truth[u.index()];
+            assert!((d - exact).abs() <= ROUNDING * largest, "fan of {total}, {seed}, {v} to {u}: {d} and {exact}");
+        }
+    }
+    assert!(folded > 4, "only {folded} are folded");
 }
 
 /// Told of each unfolded face: the face, its corners, and the two rays between which it is seen.
@@ -642,7 +697,7 @@ impl Solid {
                 }
             }
         }
-        (Unfolded::new(names.len(), &faces, corners), owner)
+        (Unfolded::new(names.len(), &faces, corners).upright(), owner)
     }
 }
 
