@@ -111,7 +111,7 @@ fn given_edges_are_a_tile_or_the_reason_is_told() {
     assert_eq!(tiling.complex.cells.values()[0].side_count(), 4);
     assert_eq!(tiling.word(TileId(0)).unwrap().canonical_form().text(), "a1 b1 a1⁻¹ b1⁻¹");
     for ring in [one, other] {
-        let error = tile_from_cut(&mesh, &ring).err().expect("an annulus is no disk");
+        let error = tile_from_cut(&mesh, &ring).expect_err("an annulus is no disk");
         assert!(matches!(error, TilingError::NotDisks { tiles: 1, boundaries: 2, genus: 0, .. }), "{error}");
     }
     let (costs, progress) = (EdgeCosts::euclidean(&mesh), Progress::none());
