@@ -15,12 +15,16 @@ pub mod coset;
 mod error;
 pub mod ids;
 pub mod map;
+pub mod plane;
 pub mod presentation;
+pub mod skeleton;
 pub mod word;
 
 pub use coset::{CosetLimit, enumerate_cosets};
 pub use error::MapError;
 pub use ids::{FlagId, FlagMap, MapEdgeId, MapFaceId, MapVertexId};
 pub use map::{Reflection, RegularMap};
+pub use plane::{Curvature, Plane};
 pub use presentation::Presentation;
+pub use skeleton::{Skeleton, SkeletonDefect};
 pub use word::{Letter, Word};

@@ -390,9 +390,9 @@ fn check_regular(table: &[[u32; 3]]) -> Result<(), MapError> {
         image[0] = start;
         let mut queue = vec![0u32];
         while let Some(g) = queue.pop() {
-            for by in 0..3 {
-                let to = table[g as usize][by] as usize;
-                let want = table[image[g as usize] as usize][by];
+            let there = table[image[g as usize] as usize];
+            for (&to, want) in table[g as usize].iter().zip(there) {
+                let to = to as usize;
                 if image[to] == u32::MAX {
                     image[to] = want;
                     queue.push(to as u32);
