@@ -9,6 +9,14 @@
 //! f, fS, fS², … for an *upright* flag f. Upright is the smallest flag of a vertex and what rotations make of it; its
 //! reflections are *overturned*. So the face of an upright flag is left of its edge, that of an overturned one right.
 
+mod clearance;
+pub mod spherical;
+pub mod torus;
+
+pub use clearance::{clearance, extent};
+pub use spherical::spherical;
+pub use torus::torus;
+
 use crate::ids::{FlagId, FlagMap, MapEdgeId, MapVertexId};
 use crate::map::{Reflection, RegularMap};
 use glam::DVec3;
