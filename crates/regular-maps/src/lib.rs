@@ -12,6 +12,7 @@
 #![warn(missing_docs)]
 
 pub mod coset;
+pub mod drawing;
 mod error;
 pub mod ids;
 pub mod map;
@@ -22,6 +23,7 @@ pub mod skeleton;
 pub mod word;
 
 pub use coset::{CosetLimit, enumerate_cosets};
+pub use drawing::{DrawError, DrawOptions, Drawing, DrawingDefect, Drawn, DrawnCounts, EdgeStyle, draw};
 pub use error::MapError;
 pub use ids::{FlagId, FlagMap, MapEdgeId, MapFaceId, MapVertexId};
 pub use map::{Reflection, RegularMap};

@@ -25,14 +25,12 @@ pub(super) fn half_turns_near(map: &RegularMap, plane: &Plane, point: DVec3, cou
     let seeds = seeds(map, plane);
     let mut by_centre: BTreeMap<(i64, i64), HalfTurn> = BTreeMap::new();
     for (isometry, element) in flags_near(map, plane, point, 4 * count) {
-        let inverse = isometry.inverse();
-        for seed in &seeds {
-            let centre = plane.normalised(isometry * seed.centre);
-            let key = rounded(centre);
-            by_centre.entry(key).or_insert_with(|| HalfTurn {
+        for &(corner, seed) in &seeds {
+            let centre = plane.normalised(isometry * corner);
+            by_centre.entry(rounded(centre)).or_insert_with(|| HalfTurn {
                 centre,
-                isometry: isometry * seed.isometry * inverse,
-                element: map.product(map.product(element, seed.element), map.inverse(element)),
+                isometry: half_turn(centre),
+                element: map.product(map.product(element, seed), map.inverse(element)),
             });
         }
     }
@@ -43,8 +41,8 @@ pub(super) fn half_turns_near(map: &RegularMap, plane: &Plane, point: DVec3, cou
     all
 }
 
-/// The half-turns about the corners of the base flag.
-fn seeds(map: &RegularMap, plane: &Plane) -> Vec<HalfTurn> {
+/// Centres and elements of the half-turns about the corners of the base flag.
+fn seeds(map: &RegularMap, plane: &Plane) -> Vec<(DVec3, FlagId)> {
     use Reflection::{R0, R1, R2};
     let mut words = vec![(1, vec![R0, R2])];
     if map.p().is_multiple_of(2) {
@@ -53,12 +51,14 @@ fn seeds(map: &RegularMap, plane: &Plane) -> Vec<HalfTurn> {
     if map.q().is_multiple_of(2) {
         words.push((0, [R1, R2].repeat(map.q() / 2)));
     }
-    let turn = |(corner, word): (usize, Vec<Reflection>)| HalfTurn {
-        centre: plane.corners[corner],
-        isometry: plane.isometry(&word),
-        element: map.walk(FlagId(0), &word),
-    };
-    words.into_iter().map(turn).collect()
+    words.into_iter().map(|(corner, word)| (plane.corners[corner], map.walk(FlagId(0), &word))).collect()
+}
+
+/// z ↦ 2⟨c, z⟩c − z with ⟨c, z⟩ = c_w z_w − c_x z_x − c_y z_y: no digits are lost, as they are in a product of matrices.
+fn half_turn(centre: DVec3) -> DMat3 {
+    let dual = DVec3::new(-centre.x, -centre.y, centre.z);
+    let column = |k: usize| 2.0 * dual[k] * centre - DVec3::AXES[k];
+    DMat3::from_cols(column(0), column(1), column(2))
 }
 
 /// Flags of the whole tiling around a point, by breadth-first search from the base flag, which is nearest to it.

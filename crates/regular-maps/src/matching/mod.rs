@@ -187,16 +187,17 @@ impl<'a> Search<'a> {
             for e in self.half_turns {
                 let size = (e.centre.z * e.centre.z * rest.z_axis.z).abs().max(1.0);
                 if (trace_of_product(&e.isometry, &columns) + 1.0).abs() < TRACE_TOLERANCE * size {
-                    found.extend(self.examine(alpha, e, e.isometry * rest));
+                    found.extend(self.examine(alpha, e));
                 }
             }
         }
         found
     }
 
-    fn examine(&self, alpha: &HalfTurn, e: &HalfTurn, gamma: DMat3) -> Option<TubeMatch> {
+    fn examine(&self, alpha: &HalfTurn, e: &HalfTurn) -> Option<TubeMatch> {
         let [p1, m1] = [pole_corner(self.plane, self.pole), e.centre];
-        let quadrilateral = [p1, m1, self.plane.normalised(gamma * m1), self.plane.normalised(alpha.isometry * p1)];
+        let m2 = e.isometry * (self.turn.inverse() * (alpha.isometry * m1));
+        let quadrilateral = [p1, m1, self.plane.normalised(m2), self.plane.normalised(alpha.isometry * p1)];
         let skew = self.shape(&quadrilateral)?;
         let generators = self.generators(alpha, e)?;
         let element = self.source.subgroup(&generators);
