@@ -19,6 +19,7 @@ pub mod map;
 pub mod matching;
 pub mod plane;
 pub mod presentation;
+pub mod rotations;
 pub mod skeleton;
 pub mod word;
 
@@ -30,5 +31,6 @@ pub use map::{Reflection, RegularMap};
 pub use matching::{MatchOptions, Pole, TubeMatch, find_matches};
 pub use plane::{Curvature, Plane};
 pub use presentation::Presentation;
+pub use rotations::{Measured, measure};
 pub use skeleton::{Skeleton, SkeletonDefect};
 pub use word::{Letter, Word};

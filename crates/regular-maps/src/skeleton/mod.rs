@@ -10,11 +10,18 @@
 //! reflections are *overturned*. So the face of an upright flag is left of its edge, that of an overturned one right.
 
 mod clearance;
+pub mod relaxed;
+mod ropes;
 pub mod spherical;
+mod starts;
+pub mod symmetry;
+pub mod symmetry;
 pub mod torus;
 
 pub use clearance::{clearance, extent};
+pub use relaxed::{RelaxOptions, Relaxed, SkeletonError, Symmetry, relax, relaxed};
 pub use spherical::spherical;
+pub use symmetry::{Imposed, PointGroup, symmetries};
 pub use torus::torus;
 
 use crate::ids::{FlagId, FlagMap, MapEdgeId, MapVertexId};
