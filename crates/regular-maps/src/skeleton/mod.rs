@@ -15,7 +15,6 @@ mod ropes;
 pub mod spherical;
 mod starts;
 pub mod symmetry;
-pub mod symmetry;
 pub mod torus;
 
 pub use clearance::{clearance, extent};
