@@ -53,15 +53,7 @@ pub struct RelaxOptions {
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        Self {
-            symmetry: Symmetry::Auto,
-            starts: 6,
-            symmetries: 24,
-            steps: 900,
-            points: 14,
-            thick_enough: 0.7,
-            seed: 1,
-        }
+        Self { symmetry: Symmetry::Auto, starts: 6, symmetries: 24, steps: 900, points: 14, thick_enough: 0.7, seed: 1 }
     }
 }
 
@@ -124,15 +116,28 @@ pub fn relax(map: &RegularMap, options: &RelaxOptions, progress: &Progress) -> R
     }
     let layout = Layout::new(map, options.points.max(4));
     let candidates = candidates(map, options)?;
-    let jobs: Vec<_> =
-        candidates.iter().flat_map(|imposed| (0..options.starts.max(1)).map(move |start| (imposed, start))).collect();
-    let run = |(k, (imposed, start)): (usize, &(&Imposed, usize))| {
-        relax_from(map, &layout, imposed, *start, &mut Random::new(options.seed, k as u64), options, progress)
+    let jobs: Vec<_> = (0..candidates.len())
+        .flat_map(|symmetry| (0..options.starts.max(1)).map(move |start| (symmetry, start)))
+        .collect();
+    let run = |(k, &(symmetry, start)): (usize, &(usize, usize))| {
+        let random = Random::new(options.seed, k as u64);
+        let run = Run { map, layout: &layout, imposed: &candidates[symmetry], symmetry, options, progress };
+        run.from_start(start, random)
     };
-    let found: Vec<Relaxed> = jobs.par_iter().enumerate().map(run).collect::<Result<_, Cancelled>>()?;
-    let best = choose(found, options.thick_enough).ok_or(SkeletonError::Crossing { map: map.type_name() })?;
+    let settled: Vec<Settled> = jobs.par_iter().enumerate().map(run).collect::<Result<_, Cancelled>>()?;
+    let finalists = finalists(&settled, &candidates, options.thick_enough);
+    let jobs: Vec<_> = finalists.iter().flat_map(|&k| FINISHES.map(|finish| (&settled[k], finish))).collect();
+    let polish = |&(settled, ref finish): &(&Settled, Mix)| {
+        let symmetry = settled.symmetry;
+        let run = Run { map, layout: &layout, imposed: &candidates[symmetry], symmetry, options, progress };
+        run.finish(settled.x.clone(), finish)
+    };
+    let mut found: Vec<Settled> = jobs.par_iter().map(polish).collect::<Result<_, Cancelled>>()?;
+    found.extend(settled);
+    let best =
+        choose(found, &candidates, options.thick_enough).ok_or(SkeletonError::Crossing { map: map.type_name() })?;
     best.skeleton.check(map)?;
-    Ok(best)
+    Ok(Relaxed { skeleton: best.skeleton, symmetry: candidates[best.symmetry].clone(), clearance: best.clearance })
 }
 
 fn candidates(map: &RegularMap, options: &RelaxOptions) -> Result<Vec<Imposed>, SkeletonError> {
@@ -155,58 +160,133 @@ fn candidates(map: &RegularMap, options: &RelaxOptions) -> Result<Vec<Imposed>, 
     Ok(found)
 }
 
+/// The end of one descent.
+struct Settled {
+    /// Points, in diameters.
+    x: Vec<DVec3>,
+    /// Number of the symmetry.
+    symmetry: usize,
+    skeleton: Skeleton,
+    clearance: f64,
+}
+
+/// Ends of first descents that are worth a second one: the thickest of the largest groups, and the thickest of all.
+fn finalists(settled: &[Settled], candidates: &[Imposed], thick_enough: f64) -> Vec<usize> {
+    let best = settled.iter().map(|r| r.clearance).fold(0.0, f64::max);
+    let order = |k: &usize| candidates[settled[*k].symmetry].elements.len();
+    let thickest_first = |a: &usize, b: &usize| settled[*b].clearance.total_cmp(&settled[*a].clearance);
+    let mut all: Vec<usize> = (0..settled.len()).collect();
+    all.sort_by(thickest_first);
+    // What is a little too thin now may be thick enough after it.
+    let mut thick: Vec<usize> =
+        all.iter().copied().filter(|&k| settled[k].clearance >= 0.7 * thick_enough * best).collect();
+    thick.sort_by(|a, b| order(b).cmp(&order(a)).then(thickest_first(a, b)));
+    let mut found: Vec<usize> = thick.into_iter().take(FINALISTS).chain(all.into_iter().take(FINALISTS)).collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// Second descents by size of group, and as many by thickness.
+const FINALISTS: usize = 4;
+
 /// Among those that are thick enough the largest group, and there the thickest tubes.
-fn choose(found: Vec<Relaxed>, thick_enough: f64) -> Option<Relaxed> {
+fn choose(found: Vec<Settled>, candidates: &[Imposed], thick_enough: f64) -> Option<Settled> {
     let best = found.iter().map(|r| r.clearance).fold(0.0, f64::max);
-    let rank = |r: &Relaxed| (r.symmetry.elements.len(), r.clearance);
+    let rank = |r: &Settled| (candidates[r.symmetry].elements.len(), r.clearance);
     let thick = found.into_iter().filter(|r| r.clearance > 0.0 && r.clearance >= thick_enough * best);
     thick.reduce(|a, b| if rank(&b) > rank(&a) { b } else { a })
 }
 
-fn relax_from(
-    map: &RegularMap,
-    layout: &Layout,
-    imposed: &Imposed,
-    start: usize,
-    random: &mut Random,
-    options: &RelaxOptions,
-    progress: &Progress,
-) -> Result<Relaxed, Cancelled> {
-    let x = match start {
-        0 if imposed.elements.len() == 1 => starts::jemisphere(map, layout, random),
-        _ => starts::random(layout, random),
-    };
-    let mut ropes = Ropes::new(map, layout, imposed, x);
-    for step in 0..options.steps {
-        let time = step as f64 / options.steps as f64;
-        ropes.advance(&schedule(time));
-        if step % 16 == 0 {
-            progress.check()?;
-            if time < SHAKEN {
-                let noise = 0.3 * (1.0 - time / SHAKEN);
-                ropes.shake(|| noise * random.in_ball());
+/// What all descents with one symmetry share.
+struct Run<'a> {
+    map: &'a RegularMap,
+    layout: &'a Layout,
+    imposed: &'a Imposed,
+    symmetry: usize,
+    options: &'a RelaxOptions,
+    progress: &'a Progress,
+}
+
+impl Run<'_> {
+    fn from_start(&self, start: usize, mut random: Random) -> Result<Settled, Cancelled> {
+        let x = match start {
+            0 if self.imposed.elements.len() == 1 => starts::jemisphere(self.map, self.layout, &mut random),
+            _ => starts::random(self.layout, &mut random),
+        };
+        let mut ropes = Ropes::new(self.map, self.layout, self.imposed, x);
+        let mix = BEGINNINGS[start % BEGINNINGS.len()];
+        for step in 0..self.options.steps {
+            let time = step as f64 / self.options.steps as f64;
+            ropes.advance(&schedule(&mix, time));
+            if step % 16 == 0 {
+                self.progress.check()?;
+                if time < SHAKEN {
+                    let noise = 0.3 * (1.0 - time / SHAKEN);
+                    ropes.shake(|| noise * random.in_ball());
+                }
             }
         }
+        Ok(self.settled(ropes))
     }
-    let skeleton = normalised(ropes.skeleton(), imposed);
-    let clearance = clearance(map, &skeleton);
-    Ok(Relaxed { skeleton, symmetry: imposed.clone(), clearance })
+
+    fn finish(&self, x: Vec<DVec3>, mix: &Mix) -> Result<Settled, Cancelled> {
+        let mut ropes = Ropes::new(self.map, self.layout, self.imposed, x);
+        for step in 0..self.options.steps {
+            let time = 0.7 + 0.3 * step as f64 / self.options.steps as f64;
+            ropes.advance(&schedule(mix, time));
+            if step % 16 == 0 {
+                self.progress.check()?;
+            }
+        }
+        Ok(self.settled(ropes))
+    }
+
+    fn settled(&self, ropes: Ropes) -> Settled {
+        let skeleton = normalised(ropes.skeleton(), self.imposed);
+        let clearance = clearance(self.map, &skeleton);
+        Settled { x: ropes.x, symmetry: self.symmetry, skeleton, clearance }
+    }
 }
 
 /// Part of the time in which ropes are shaken.
 const SHAKEN: f64 = 0.3;
 
+/// Strengths that decide whether a skeleton is wide or tight, spread evenly or taut: at first, and in the end.
+#[derive(Clone, Copy)]
+struct Mix {
+    tension: [f64; 2],
+    contact: [f64; 2],
+    near: [f64; 2],
+    far: [f64; 2],
+}
+
+/// No one mix is best for all maps: with more push from afar, solids open; with more from near, bouquets do.
+const BEGINNINGS: [Mix; 3] = [
+    Mix { tension: [0.3, 0.3], contact: [0.2, 1.5], near: [0.05, 0.2], far: [0.1, 0.01] },
+    Mix { tension: [0.3, 0.6], contact: [0.2, 1.5], near: [0.05, 0.1], far: [0.3, 0.01] },
+    Mix { tension: [0.3, 0.6], contact: [0.2, 1.5], near: [0.2, 0.1], far: [0.1, 0.01] },
+];
+
+/// For second descents, which start where first ones ended.
+const FINISHES: [Mix; 3] = [
+    Mix { tension: [0.3, 0.3], contact: [1.5, 1.5], near: [0.2, 0.2], far: [0.01, 0.01] },
+    Mix { tension: [0.6, 0.6], contact: [3.0, 3.0], near: [0.1, 0.1], far: [0.01, 0.01] },
+    Mix { tension: [0.3, 0.3], contact: [3.0, 3.0], near: [0.05, 0.05], far: [0.0, 0.0] },
+];
+
 /// Soft ropes first, which may pass through each other; hard ones in the end.
-fn schedule(time: f64) -> Forces {
+fn schedule(mix: &Mix, time: f64) -> Forces {
     let hard = ((time - 0.2) / 0.5).clamp(0.0, 1.0);
+    let now = |[from, to]: [f64; 2]| from + (to - from) * hard;
     Forces {
-        tension: 0.3,
+        tension: now(mix.tension),
         stiffness: 0.15,
-        contact: 0.2 + 1.3 * hard,
-        near: 0.05,
-        far: 0.1,
+        contact: now(mix.contact),
+        near: now(mix.near),
+        far: now(mix.far),
         step: 0.12,
-        momentum: if time < 0.9 { 0.85 } else { 0.6 },
+        momentum: if time < 0.95 { 0.85 } else { 0.6 },
     }
 }
 

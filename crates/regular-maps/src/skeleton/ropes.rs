@@ -137,9 +137,8 @@ impl Layout {
 #[derive(Clone, Copy)]
 struct Site {
     edge: u32,
-    /// Nearer end, and which of both.
+    /// Nearer end.
     vertex: u32,
-    side: u8,
     /// Distance from there and from the start.
     s: f64,
     arc: f64,
@@ -285,7 +284,7 @@ impl<'a> Ropes<'a> {
 
     fn sites(&self) -> Vec<Site> {
         let layout = self.layout;
-        let own = |v: u32| Site { edge: u32::MAX, vertex: v, side: 0, s: 0.0, arc: 0.0 };
+        let own = |v: u32| Site { edge: u32::MAX, vertex: v, s: 0.0, arc: 0.0 };
         let mut sites: Vec<_> = (0..layout.vertices as u32).map(own).collect();
         for edge in 0..layout.edges {
             let mut arcs = Vec::with_capacity(layout.inner + 2);
@@ -299,7 +298,7 @@ impl<'a> Ropes<'a> {
             for &at in &arcs[1..=layout.inner] {
                 let side = usize::from(at > arc - at);
                 let vertex = layout.ends[edge][side];
-                sites.push(Site { edge: edge as u32, vertex, side: side as u8, s: at.min(arc - at), arc: at });
+                sites.push(Site { edge: edge as u32, vertex, s: at.min(arc - at), arc: at });
             }
         }
         sites
@@ -463,4 +462,3 @@ impl Grid {
         }
     }
 }
-

@@ -71,13 +71,13 @@ pub(super) fn jemisphere(map: &RegularMap, layout: &Layout, random: &mut Random)
     };
     let places: Vec<_> = map.flags().map(|flag| plane.isometry(&map.reflections_of(flag))).collect();
     let nearest = |cell: &dyn Fn(FlagId) -> bool, corner: usize| {
-        let points = map.flags().filter(|&flag| cell(flag)).map(|flag| lift(places[flag.index()] * plane.corners[corner]));
+        let points =
+            map.flags().filter(|&flag| cell(flag)).map(|flag| lift(places[flag.index()] * plane.corners[corner]));
         let highest = points.fold(DVec3::NEG_Z * 2.0, |best, p| if p.z > best.z + 1e-9 { p } else { best });
         highest * radius
     };
     let vertices = first_flags(map).into_iter().map(|(v, _)| nearest(&|flag| map.vertex(flag) == v, 0)).collect();
-    let middles: Vec<_> =
-        edge_flags(map).into_iter().map(|(e, _)| nearest(&|flag| map.edge(flag) == e, 1)).collect();
+    let middles: Vec<_> = edge_flags(map).into_iter().map(|(e, _)| nearest(&|flag| map.edge(flag) == e, 1)).collect();
     bows(layout, vertices, &middles, random)
 }
 
