@@ -9,6 +9,7 @@ pub mod connectivity;
 pub mod features;
 mod heap;
 pub mod ids;
+pub mod intersections;
 pub mod mesh;
 pub mod metric;
 pub mod progress;
@@ -30,6 +31,7 @@ pub use glam::{DVec2, DVec3};
 pub use ids::{
     CornerId, CornerMap, EdgeId, EdgeMap, FaceId, FaceMap, HalfEdgeId, HalfEdgeMap, Id, IdMap, VertexId, VertexMap,
 };
+pub use intersections::{intersects_itself, self_intersections};
 pub use mesh::{Mesh, MeshError, PolygonMesh, QuadMesh, TriMesh};
 pub use progress::{Cancelled, Progress};
 pub use refine::{Refined, VertexOrigin};
