@@ -11,16 +11,19 @@
 //! | an element of Sym(G_pq) | a flag ([`FlagId`]): the one that the element takes flag 0 to |
 #![warn(missing_docs)]
 
+pub mod colouring;
 pub mod coset;
 pub mod drawing;
 mod error;
 pub mod ids;
 pub mod map;
 pub mod matching;
+mod partition;
 pub mod plane;
 pub mod presentation;
 pub mod rotations;
 pub mod skeleton;
+pub mod tiling;
 pub mod word;
 
 pub use coset::{CosetLimit, enumerate_cosets};
