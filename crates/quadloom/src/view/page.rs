@@ -14,6 +14,8 @@ use serde::Serialize;
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
+/// What the scripts of all pages share.
+pub(super) const COMMON: &str = include_str!("common.js");
 const SCRIPT: &str = include_str!("viewer.js");
 const UNFOLDED: &str = include_str!("unfolded.js");
 
@@ -24,14 +26,24 @@ const UNFOLDED: &str = include_str!("unfolded.js");
 /// # Cost       linear
 /// # Guarantees works offline; escapes every text; the same bytes for the same scene
 pub fn render_html(scene: &Scene) -> String {
-    let title = if scene.title.trim().is_empty() { "Quadloom" } else { scene.title.trim() };
-    let data = serde_json::to_string(&PackedScene::of(scene, title)).unwrap_or_default().replace('<', "\\u003c");
-    let title = escape(title);
-    fill(PAGE, &[("title", &title), ("style", STYLE), ("scene", &data), ("unfolded", UNFOLDED), ("script", SCRIPT)])
+    let title = heading(&scene.title);
+    let data = json(&PackedScene::of(scene, title));
+    let texts = [("title", &*escape(title)), ("style", STYLE), ("scene", &data)];
+    fill(PAGE, &[&texts[..], &[("common", COMMON), ("unfolded", UNFOLDED), ("script", SCRIPT)]].concat())
+}
+
+/// The title, or the name of the program where there is none.
+pub(super) fn heading(title: &str) -> &str {
+    if title.trim().is_empty() { "Quadloom" } else { title.trim() }
+}
+
+/// JSON that no tag can end.
+pub(super) fn json(data: &impl Serialize) -> String {
+    serde_json::to_string(data).unwrap_or_default().replace('<', "\\u003c")
 }
 
 /// Replaces every `{{name}}` of the template; what is put in is not searched again.
-fn fill(template: &str, values: &[(&str, &str)]) -> String {
+pub(super) fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut page = String::with_capacity(template.len() + values.iter().map(|(_, v)| v.len()).sum::<usize>());
     let mut rest = template;
     while let Some((before, name, after)) = next_place(rest) {
@@ -49,7 +61,7 @@ fn next_place(text: &str) -> Option<(&str, &str, &str)> {
 }
 
 /// Text as HTML shows it literally.
-fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('\'', "&#39;")
 }
 
@@ -183,9 +195,14 @@ impl Placement {
         let grid = scene.uv_isolines.u.iter().chain(&scene.uv_isolines.v).flatten();
         let points =
             surfaces.chain(quads).chain(lines).chain(grid).chain(scene.singularities.iter().map(|s| &s.position));
+        Self::around(points.copied())
+    }
+
+    /// Of the points with finite coordinates.
+    pub(super) fn around(points: impl Iterator<Item = DVec3>) -> Self {
         let finite = points.filter(|p| p.is_finite());
         let (low, high) =
-            finite.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
+            finite.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
         if !low.is_finite() {
             return Self { centre: DVec3::ZERO, unit: 1.0 };
         }
