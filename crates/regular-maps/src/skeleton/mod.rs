@@ -127,6 +127,11 @@ impl Skeleton {
     }
 }
 
+/// The skeleton of a map that has a model of its own: on the sphere or on a torus; none for other maps.
+pub fn exact(map: &RegularMap) -> Option<Skeleton> {
+    spherical(map).or_else(|| torus(map))
+}
+
 /// Whether a flag's edge is stored from the flag's vertex outwards: the edge's smallest flag and its mirror image r₂ start
 /// there.
 pub fn starts_here(map: &RegularMap, flag: FlagId) -> bool {

@@ -36,11 +36,12 @@ pub enum Symmetry {
 pub struct RelaxOptions {
     /// Rotations to have. Default: the largest group that leaves tubes thick enough.
     pub symmetry: Symmetry,
-    /// Starts per symmetry. Default: 6; large maps settle in many different ways, small ones in two or three.
+    /// Starts per symmetry, fewer where many points move. Default: 6; large maps settle in many different ways, small ones
+    /// in two or three.
     pub starts: usize,
     /// Symmetries tried at most. Default: 24, the largest groups first.
     pub symmetries: usize,
-    /// Steps per start. Default: 900; half of them are for untangling.
+    /// Steps per descent. Default: 900; half of them are for untangling.
     pub steps: usize,
     /// Inner points per edge. Default: 14; with fewer, ropes slip through each other between points.
     pub points: usize,
@@ -116,16 +117,18 @@ pub fn relax(map: &RegularMap, options: &RelaxOptions, progress: &Progress) -> R
     }
     let layout = Layout::new(map, options.points.max(4));
     let candidates = candidates(map, options)?;
-    let jobs: Vec<_> = (0..candidates.len())
-        .flat_map(|symmetry| (0..options.starts.max(1)).map(move |start| (symmetry, start)))
-        .collect();
+    let starts = |symmetry: usize| {
+        let affordable = AFFORDABLE / domain(&layout, &candidates[symmetry]);
+        (0..affordable.clamp(1, options.starts.max(1))).map(move |start| (symmetry, start))
+    };
+    let jobs: Vec<_> = (0..candidates.len()).flat_map(starts).collect();
     let run = |(k, &(symmetry, start)): (usize, &(usize, usize))| {
         let random = Random::new(options.seed, k as u64);
         let run = Run { map, layout: &layout, imposed: &candidates[symmetry], symmetry, options, progress };
         run.from_start(start, random)
     };
     let settled: Vec<Settled> = jobs.par_iter().enumerate().map(run).collect::<Result<_, Cancelled>>()?;
-    let finalists = finalists(&settled, &candidates, options.thick_enough);
+    let finalists = finalists(&settled, &layout, &candidates, options.thick_enough);
     let jobs: Vec<_> = finalists.iter().flat_map(|&k| FINISHES.map(|finish| (&settled[k], finish))).collect();
     let polish = |&(settled, ref finish): &(&Settled, Mix)| {
         let symmetry = settled.symmetry;
@@ -171,7 +174,7 @@ struct Settled {
 }
 
 /// Ends of first descents that are worth a second one: the thickest of the largest groups, and the thickest of all.
-fn finalists(settled: &[Settled], candidates: &[Imposed], thick_enough: f64) -> Vec<usize> {
+fn finalists(settled: &[Settled], layout: &Layout, candidates: &[Imposed], thick_enough: f64) -> Vec<usize> {
     let best = settled.iter().map(|r| r.clearance).fold(0.0, f64::max);
     let order = |k: &usize| candidates[settled[*k].symmetry].elements.len();
     let thickest_first = |a: &usize, b: &usize| settled[*b].clearance.total_cmp(&settled[*a].clearance);
@@ -181,11 +184,25 @@ fn finalists(settled: &[Settled], candidates: &[Imposed], thick_enough: f64) -> 
     let mut thick: Vec<usize> =
         all.iter().copied().filter(|&k| settled[k].clearance >= 0.7 * thick_enough * best).collect();
     thick.sort_by(|a, b| order(b).cmp(&order(a)).then(thickest_first(a, b)));
-    let mut found: Vec<usize> = thick.into_iter().take(FINALISTS).chain(all.into_iter().take(FINALISTS)).collect();
-    found.sort_unstable();
-    found.dedup();
+    let mut found = Vec::new();
+    let mut points = 0;
+    for k in thick.into_iter().take(FINALISTS).chain(all.into_iter().take(FINALISTS)) {
+        points += domain(layout, &candidates[settled[k].symmetry]);
+        if !found.contains(&k) && (found.is_empty() || points <= 2 * AFFORDABLE) {
+            found.push(k);
+        }
+    }
     found
 }
+
+/// Points that descent moves: one of each orbit.
+fn domain(layout: &Layout, imposed: &Imposed) -> usize {
+    layout.count().div_ceil(imposed.elements.len())
+}
+
+/// Points moved at most in all starts with one symmetry, but for the first start. Larger: slower for maps with more than
+/// a hundred edges, which then end with a little thicker tubes.
+const AFFORDABLE: usize = 2500;
 
 /// Second descents by size of group, and as many by thickness.
 const FINALISTS: usize = 4;

@@ -21,9 +21,16 @@ use glam::{DMat3, DVec3};
 use quadloom_mesh::Id;
 use std::f64::consts::{PI, TAU};
 
-/// Largest sine of the slope of a star's spokes against its plane. √(2/3), a tetrahedron's corner, is 0.82; with steeper
-/// spokes tubes part late.
-const STEEPEST: f64 = 0.82;
+/// Largest sine of the slope of a star's spokes against its plane: a little more than at the corners of the regular solids
+/// with 3, 4 and 5 edges at a corner. Steeper spokes part late, and a plane of the junction can hardly be seen.
+fn steepest(valence: usize) -> f64 {
+    match valence {
+        ..=3 => 0.82,
+        4 => 0.71,
+        5 => 0.6,
+        _ => 0.5,
+    }
+}
 
 /// Reach of repulsion in diameters; the volume looked at grows with its third power.
 const REACH: f64 = 2.0;
@@ -236,7 +243,8 @@ impl<'a> Ropes<'a> {
         }
         let [u, w] = nearest_frame(a, b, self.normals[vertex]);
         let normal = u.cross(w);
-        let slope = (-sum.dot(normal) / (q * self.h)).clamp(-STEEPEST, STEEPEST);
+        let steepest = steepest(tips.len());
+        let slope = (-sum.dot(normal) / (q * self.h)).clamp(-steepest, steepest);
         let flat = (1.0 - slope * slope).sqrt();
         let centre = self.x[vertex] + (sum + q * self.h * slope * normal) / (q + 1.0);
         for (k, &tip) in tips.iter().enumerate() {
