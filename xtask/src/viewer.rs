@@ -43,7 +43,11 @@ pub fn test() -> Outcome {
     cargo(&[&words[..], &square[..]].concat())?;
     let cylinders = ["sample:genus2", "--into", "cylinders", "-o", &obj, "--view", &holes, "--quiet"];
     cargo(&[&words[..], &cylinders[..]].concat())?;
-    browse(&root().join("tests/viewer/tiles.mjs"), &[&torus, &holes])
+    browse(&root().join("tests/viewer/tiles.mjs"), &[&torus, &holes])?;
+    // 5. A map beside its flat picture.
+    let page = folder.join("map.html").display().to_string();
+    cargo(&["run", "--release", "--quiet", "--package", "quadloom", "--example", "06_map_page", "--", &page])?;
+    browse(&root().join("tests/viewer/map.mjs"), &[&page, &pictures])
 }
 
 /// Has a script work with a page.

@@ -122,7 +122,9 @@ function makeCamera({ canvas, space, positions, redraw }) {
     camera.target = from.target.map((x, k) => mix(x, goal.target[k], s));
     camera.distance = Math.exp(mix(Math.log(from.distance), Math.log(goal.distance), s));
     camera.rotation = slerp(from.rotation, goal.rotation, s);
-    if (t >= 1) flight = null; else redraw();
+    if (t < 1) return redraw();
+    Object.assign(camera, goal);   // without rounding
+    flight = null;
   }
 
   // Where the whole surface, seen under this rotation, fills the free room but for a margin.

@@ -7,7 +7,7 @@
 (() => {
 'use strict';
 
-const { $, bytes, floats, rgb, element, add, scale, dot, length, turn, times, rotated, AXES, HOME_YAW, HOME_PITCH, facing, turnedToEye,
+const { $, bytes, floats, rgb, element, drawing, add, scale, dot, length, turn, times, rotated, AXES, HOME_YAW, HOME_PITCH, facing, turnedToEye,
   makeCamera, listenToPointers, pixelRatio, makeFrames, faceNormals, cornerNormals, LINE_VERTEX, LINE_FRAGMENT, gpuTools } = quadloomCommon;
 
 // ------------------------------------------------------------------------------------------------ the scene
@@ -54,18 +54,19 @@ function faceColour(face) {
   return null;
 }
 
+let flat = null;   // the flat picture
 const state = { theme: 'light', chosenTheme: false, hover: null, kept: null, turning: false, oversampling: true, ready: false };
 const lit = () => state.kept ?? state.hover;
 
 const THEMES = {
-  light: { back: '#7a7266', halo: '#0d1116', ghost: 0.30, sky: [1.0, 1.0, 1.02], ground: [0.62, 0.60, 0.58], rim: 0.16 },
-  dark: { back: '#4d473d', halo: '#ffffff', ghost: 0.34, sky: [0.80, 0.86, 0.96], ground: [0.30, 0.29, 0.30], rim: 0.42 },
+  light: { back: '#7a7266', veil: [0.74, 0.74, 0.73], ghost: 0.5, sky: [1.0, 1.0, 1.02], ground: [0.62, 0.60, 0.58], rim: 0.16 },
+  dark: { back: '#4d473d', veil: [0.03, 0.035, 0.045], ghost: 0.5, sky: [0.80, 0.86, 0.96], ground: [0.30, 0.29, 0.30], rim: 0.42 },
 };
 
 // ------------------------------------------------------------------------------------------------ camera
 
 const canvas = $('canvas');
-const space = () => ({ right: 0, bottom: 0 });
+const space = () => ({ right: 0, bottom: flat ? 0 : 60 });   // above the tools, where the surface is as tall as the page
 const { camera, currentView, flyTo, fly, stop, follow, fitted, goHome, keepFitted, orbit, pan, zoom } =
   makeCamera({ canvas, space, positions: () => positions, redraw: () => redraw() });
 
@@ -112,7 +113,7 @@ in vec3 vNormal, vEye;
 in float vOpen;
 flat in vec3 vTint;
 flat in float vLit;
-uniform vec3 back, sky, ground;
+uniform vec3 back, sky, ground, veil;
 uniform float rim, alpha;
 out vec4 colour;
 vec3 linear(vec3 c) { return pow(c, vec3(2.2)); }
@@ -120,8 +121,8 @@ void main() {
   vec3 n = normalize(vNormal), toEye = normalize(-vEye);
   vec3 albedo = linear(vTint);
   if (!gl_FrontFacing) { n = -n; albedo = mix(albedo, linear(back), 0.6); }
-  if (vLit > 0.5) albedo = mix(albedo, vec3(1.0), 0.16) * 1.12;
-  if (vLit < -0.5) albedo = mix(albedo, vec3(dot(albedo, vec3(0.3, 0.55, 0.15))), 0.35) * 0.72;
+  if (vLit > 0.5) albedo = albedo * 1.30 + 0.025;
+  if (vLit < -0.5) albedo = mix(mix(albedo, vec3(dot(albedo, vec3(0.3, 0.55, 0.15))), 0.3), veil, 0.45);
   float open = mix(1.0, vOpen, 0.9);
   // 1. A warm key light from the upper left, a cool one from the right, the sky above and what the ground gives back.
   vec3 key = normalize(vec3(-0.48, 0.68, 0.62)), fill = normalize(vec3(0.85, -0.12, 0.42));
@@ -363,6 +364,7 @@ function draw(fine) {
   gl.uniform3fv(at.back, rgb(theme.back));
   gl.uniform3fv(at.sky, theme.sky);
   gl.uniform3fv(at.ground, theme.ground);
+  gl.uniform3fv(at.veil, theme.veil);
   gl.uniform1f(at.rim, theme.rim);
   gl.uniform1f(at.alpha, 1);
   gl.bindVertexArray(gpu.array);
@@ -379,20 +381,22 @@ function drawLit({ start, end }, theme, view, ratio, at) {
   gl.uniform1f(at.alpha, theme.ghost);
   gl.drawArrays(gl.TRIANGLES, 3 * start, 3 * (end - start));
   gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-  drawOutline(theme, view, ratio, 0.2);
+  drawOutline(OUTLINE, view, ratio, 0.4);
   gl.depthFunc(gl.LESS);
-  drawOutline(theme, view, ratio, 1);
+  drawOutline(CASING, view, ratio, 0.9);
+  drawOutline(OUTLINE, view, ratio, 1);
   gl.depthMask(true);
 }
 
-const OUTLINE = { width: 2.6, raise: 0.006 };
-function drawOutline(theme, view, ratio, alpha) {
+// White in dark is seen on every colour.
+const OUTLINE = { width: 2, raise: 0.0065, colour: [1, 1, 1] }, CASING = { width: 4.6, raise: 0.006, colour: [0.04, 0.05, 0.07] };
+function drawOutline({ width, raise, colour }, view, ratio, alpha) {
   const { array, count } = outlineArray(lit()), at = useProgram(gpu.line, view);
   gl.uniform2f(at.wipe, 0, 0);
   gl.uniform2f(at.viewport, canvas.width, canvas.height);
-  gl.vertexAttrib3fv(3, rgb(theme.halo));
-  gl.uniform1f(at.width, OUTLINE.width * ratio);
-  gl.uniform1f(at.raise, OUTLINE.raise);
+  gl.vertexAttrib3fv(3, colour);
+  gl.uniform1f(at.width, width * ratio);
+  gl.uniform1f(at.raise, raise);
   gl.uniform1f(at.near, view.near);
   gl.uniform1f(at.alpha, alpha);
   gl.bindVertexArray(array);
@@ -445,7 +449,7 @@ function pick(x, y) {
 const KEPT = new Set(['svg', 'g', 'path', 'polygon', 'polyline', 'line', 'circle', 'ellipse', 'rect', 'text', 'tspan', 'title', 'desc', 'defs', 'use',
   'clipPath', 'mask', 'symbol', 'linearGradient', 'radialGradient', 'stop', 'style']);
 const SVG = 'http://www.w3.org/2000/svg';
-let flat = null, flatView = null;   // the picture, and the part of it that is shown: x, y, width, height
+let flatView = null;                // all of it: x, y, width, height
 const groups = new Map();           // face to its groups
 
 function takeFlat() {
@@ -488,29 +492,45 @@ function showFlat() {
 const faceOfGroup = group => (/^\d+$/.test(group?.dataset.face ?? '') ? Number(group.dataset.face) : null);
 
 let framed = null;
+const perPixel = () => Math.max(framed[2] / ($('flat').clientWidth || 1), framed[3] / ($('flat').clientHeight || 1));
 function frameFlat(view) {
   framed = [...view];
   flat.setAttribute('viewBox', view.map(x => +x.toPrecision(9)).join(' '));
+  flat.style.setProperty('--pixel', `${perPixel()}px`);   // outlines keep their width
 }
 
-// Copies of a face's groups on top of all others: only there an outline goes around them.
+// A veil over the whole, and copies of the face's groups above it: only there an outline goes around them.
+let veiled = null;
 function lightFlat(face) {
-  $('flat').classList.toggle('choosing', face !== null && groups.has(face));
-  for (const old of [...$('flat').querySelectorAll('.halo')]) old.remove();
+  veiled?.remove();
+  veiled = null;
   for (const group of [...$('flat').querySelectorAll('.lit')]) group.classList.remove('lit');
-  for (const group of groups.get(face) ?? []) {
-    const copy = group.cloneNode(true);
-    for (const node of [copy, ...copy.querySelectorAll('*')]) { node.removeAttribute('id'); node.removeAttribute('data-face'); }
-    copy.classList.add('halo');
+  if (!groups.has(face)) return;
+  const [x, y, w, h] = flatView, far = 20;
+  veiled = drawing('g', { class: 'veiled' }, drawing('rect', { class: 'veil', x: x - far * w, y: y - far * h, width: (2 * far + 1) * w, height: (2 * far + 1) * h }));
+  for (const group of groups.get(face)) {
     group.classList.add('lit');
-    group.parentNode.append(copy);
+    veiled.append(copyOf(group));
   }
+  flat.append(veiled);
+}
+
+// A copy within copies of what surrounds the group, so that it has the same place and style.
+function copyOf(group) {
+  let copy = group.cloneNode(true);
+  copy.classList.add('halo');
+  for (let around = group.parentNode; around !== flat; around = around.parentNode) {
+    const outer = around.cloneNode(false);
+    outer.append(copy);
+    copy = outer;
+  }
+  for (const node of [copy, ...copy.querySelectorAll('*')]) { node.removeAttribute('id'); node.removeAttribute('data-face'); node.classList.remove('lit'); }
+  return copy;
 }
 
 function listenToFlat() {
   const box = $('flat'), groupAt = event => event.target.closest?.('[data-face]');
   let down = null;
-  const perPixel = () => Math.max(framed[2] / box.clientWidth, framed[3] / box.clientHeight);
   box.addEventListener('pointerover', event => { if (!down) hover(faceOfGroup(groupAt(event))); });
   box.addEventListener('pointerleave', () => hover(null));
   box.addEventListener('pointerdown', event => { if (event.button === 0) down = { x: event.clientX, y: event.clientY, view: framed, moved: false, id: event.pointerId }; });
@@ -654,7 +674,7 @@ function listenToTools() {
   $('previous').addEventListener('click', () => step(-1));
   $('next').addEventListener('click', () => step(1));
   $('number').addEventListener('change', () => keep(Number.isInteger($('number').valueAsNumber) ? $('number').valueAsNumber : null, true));
-  addEventListener('resize', keepFitted);
+  addEventListener('resize', () => { keepFitted(); if (flat) frameFlat(framed); });
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', event => { if (!state.chosenTheme) { state.theme = event.matches ? 'dark' : 'light'; refresh(); } });
 }
 
