@@ -142,14 +142,17 @@ const FEW: usize = 9;
 
 /// That many colours, hues evenly spaced, and consecutive ones far from each other.
 pub fn palette(count: usize) -> Vec<[u8; 3]> {
-    let step = spread(count);
     (0..count)
         .map(|i| {
-            let hue = 30.0 + 360.0 * ((i * step) % count) as f64 / count as f64;
             let lightness = if count < FEW { 0.79 } else { LIGHTNESS[i % 3] };
-            oklch(lightness, CHROMA, hue)
+            oklch(lightness, CHROMA, hue(i, count))
         })
         .collect()
+}
+
+/// The hue of a colour among that many, degrees.
+pub(crate) fn hue(i: usize, count: usize) -> f64 {
+    30.0 + 360.0 * ((i * spread(count)) % count.max(1)) as f64 / count.max(1) as f64
 }
 
 /// The step without common divisor with the number that is nearest to its golden section.

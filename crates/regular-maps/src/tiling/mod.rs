@@ -17,10 +17,12 @@ mod element;
 mod frame;
 mod layout;
 mod model;
+pub mod picture;
 
 pub use boundary::{BoundaryEdge, Side};
 pub use check::{Glued, TilingDefect};
 pub use model::Model;
+pub use picture::{Picture, PictureOptions, png, svg};
 
 use crate::error::MapError;
 use crate::ids::{FlagId, FlagMap};
@@ -163,6 +165,11 @@ impl FlatTiling {
     /// The corners V, E, F of a flag's triangle.
     pub fn corners(&self, flag: FlagId) -> [DVec3; 3] {
         self.points[flag].map(|point| self.position(point))
+    }
+
+    /// The middle of a flag's triangle: the centre of its inscribed circle.
+    pub fn middle(&self, flag: FlagId) -> DVec3 {
+        self.plane.normalised(self.isometries[flag] * DVec3::Z)
     }
 
     /// The segment from vertex to edge midpoint of each triangle, in a model: Line(N).

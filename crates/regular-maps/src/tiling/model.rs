@@ -22,11 +22,12 @@ impl Model {
             Self::Klein => DVec3::new(point.x / point.z, point.y / point.z, 0.0),
             Self::Poincare => poincare(point),
             Self::Jemisphere => {
+                // Only the sphere has points with w below 1; there the detour would end at infinity.
+                if point.z < 0.5 {
+                    return point.normalize();
+                }
                 let z = poincare(point);
                 let square = z.length_squared();
-                if !square.is_finite() {
-                    return DVec3::NEG_Z;
-                }
                 DVec3::new(2.0 * z.x, 2.0 * z.y, 1.0 - square) / (1.0 + square)
             }
         }
@@ -51,7 +52,10 @@ mod tests {
         assert!((Model::Poincare.project(point).length() - 0.65f64.tanh()).abs() < 1e-12);
         let high = Model::Jemisphere.project(point);
         assert!((high.length() - 1.0).abs() < 1e-12 && (high.z - 1.3f64.cosh().recip()).abs() < 1e-12);
-        let sphere = Plane::of_type(4, 3).at(2.0, 0.4);
-        assert!((Model::Jemisphere.project(sphere) - sphere).length() < 1e-12);
+        let sphere = Plane::of_type(4, 3);
+        for distance in [0.3, 2.0, std::f64::consts::PI] {
+            let point = sphere.at(distance, 0.4);
+            assert!((Model::Jemisphere.project(point) - point).length() < 1e-12);
+        }
     }
 }
