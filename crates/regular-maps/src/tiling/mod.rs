@@ -194,7 +194,7 @@ impl FlatTiling {
 
     /// All that is wrong; nothing for a valid tiling.
     ///
-    /// # Cost       linear in flags
+    /// # Cost       linear in flags, and quadratic in edges of the boundary
     pub fn check(&self) -> Vec<TilingDefect> {
         check::check(self)
     }
