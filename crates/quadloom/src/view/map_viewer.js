@@ -658,7 +658,7 @@ const KEYS = {
 };
 function listenToKeys() {
   addEventListener('keydown', event => {
-    const action = KEYS[event.key.toLowerCase()], inNumber = event.target === $('number') && event.key !== 'Escape';
+    const action = KEYS[event.key.toLowerCase()], inNumber = event.target === $('number') && /^(Arrow.*|[+-])$/.test(event.key);
     if (!action || event.ctrlKey || event.metaKey || event.altKey || $('help').open || inNumber) return;
     if (event.key === ' ' && event.target.closest?.('button')) return;
     event.preventDefault();
