@@ -14,6 +14,7 @@
 pub mod colouring;
 pub mod coset;
 pub mod drawing;
+pub mod enumerate;
 mod error;
 pub mod ids;
 pub mod map;
