@@ -18,6 +18,7 @@ use crate::map::RegularMap;
 use glam::DVec3;
 use quadloom_mesh::{Cancelled, Progress};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Which rotations a relaxed skeleton is made to have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -117,25 +118,9 @@ pub fn relax(map: &RegularMap, options: &RelaxOptions, progress: &Progress) -> R
     }
     let layout = Layout::new(map, options.points.max(4));
     let candidates = candidates(map, options)?;
-    let starts = |symmetry: usize| {
-        let affordable = AFFORDABLE / domain(&layout, &candidates[symmetry]);
-        (0..affordable.clamp(1, options.starts.max(1))).map(move |start| (symmetry, start))
-    };
-    let jobs: Vec<_> = (0..candidates.len()).flat_map(starts).collect();
-    let run = |(k, &(symmetry, start)): (usize, &(usize, usize))| {
-        let random = Random::new(options.seed, k as u64);
-        let run = Run { map, layout: &layout, imposed: &candidates[symmetry], symmetry, options, progress };
-        run.from_start(start, random)
-    };
-    let settled: Vec<Settled> = jobs.par_iter().enumerate().map(run).collect::<Result<_, Cancelled>>()?;
-    let finalists = finalists(&settled, &layout, &candidates, options.thick_enough);
-    let jobs: Vec<_> = finalists.iter().flat_map(|&k| FINISHES.map(|finish| (&settled[k], finish))).collect();
-    let polish = |&(settled, ref finish): &(&Settled, Mix)| {
-        let symmetry = settled.symmetry;
-        let run = Run { map, layout: &layout, imposed: &candidates[symmetry], symmetry, options, progress };
-        run.finish(settled.x.clone(), finish)
-    };
-    let mut found: Vec<Settled> = jobs.par_iter().map(polish).collect::<Result<_, Cancelled>>()?;
+    let search = Search { map, layout: &layout, candidates: &candidates, options, progress };
+    let settled = search.first_descents()?;
+    let mut found = search.second_descents(&settled)?;
     found.extend(settled);
     let best =
         choose(found, &candidates, options.thick_enough).ok_or(SkeletonError::Crossing { map: map.type_name() })?;
@@ -215,59 +200,103 @@ fn choose(found: Vec<Settled>, candidates: &[Imposed], thick_enough: f64) -> Opt
     thick.reduce(|a, b| if rank(&b) > rank(&a) { b } else { a })
 }
 
-/// What all descents with one symmetry share.
-struct Run<'a> {
+/// What all descents share.
+struct Search<'a> {
     map: &'a RegularMap,
     layout: &'a Layout,
-    imposed: &'a Imposed,
-    symmetry: usize,
+    candidates: &'a [Imposed],
     options: &'a RelaxOptions,
     progress: &'a Progress,
 }
 
-impl Run<'_> {
-    fn from_start(&self, start: usize, mut random: Random) -> Result<Settled, Cancelled> {
+impl Search<'_> {
+    /// From all starts with all symmetries.
+    fn first_descents(&self) -> Result<Vec<Settled>, Cancelled> {
+        let starts = |symmetry: usize| {
+            let affordable = AFFORDABLE / domain(self.layout, &self.candidates[symmetry]);
+            (0..affordable.clamp(1, self.options.starts.max(1))).map(move |start| (symmetry, start))
+        };
+        let jobs: Vec<_> = (0..self.candidates.len()).flat_map(starts).collect();
+        self.each("relaxing skeletons", &jobs, |k, &(symmetry, start)| {
+            self.descend(symmetry, start, Random::new(self.options.seed, k as u64))
+        })
+    }
+
+    /// From the ends of the best first descents.
+    fn second_descents(&self, settled: &[Settled]) -> Result<Vec<Settled>, Cancelled> {
+        let finalists = finalists(settled, self.layout, self.candidates, self.options.thick_enough);
+        let jobs: Vec<_> = finalists.iter().flat_map(|&k| FINISHES.map(|finish| (&settled[k], finish))).collect();
+        self.each("tightening skeletons", &jobs, |_, (settled, finish)| {
+            self.finish(settled.symmetry, settled.x.clone(), finish)
+        })
+    }
+
+    /// Jobs on all threads; their results in order, whichever ends first.
+    fn each<T: Sync>(
+        &self,
+        stage: &str,
+        jobs: &[T],
+        run: impl Fn(usize, &T) -> Result<Settled, Cancelled> + Sync,
+    ) -> Result<Vec<Settled>, Cancelled> {
+        let done = AtomicUsize::new(0);
+        let run = |(k, job): (usize, &T)| {
+            let settled = run(k, job)?;
+            let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
+            self.progress.report(stage, finished as f64 / jobs.len() as f64);
+            Ok(settled)
+        };
+        jobs.par_iter().enumerate().map(run).collect()
+    }
+
+    fn descend(&self, symmetry: usize, start: usize, mut random: Random) -> Result<Settled, Cancelled> {
+        let imposed = &self.candidates[symmetry];
         let x = match start {
-            0 if self.imposed.elements.len() == 1 => starts::jemisphere(self.map, self.layout, &mut random),
+            0 if imposed.elements.len() == 1 => starts::jemisphere(self.map, self.layout, &mut random),
             _ => starts::random(self.layout, &mut random),
         };
-        let mut ropes = Ropes::new(self.map, self.layout, self.imposed, x);
+        let mut ropes = Ropes::new(self.map, self.layout, imposed, x);
         let mix = BEGINNINGS[start % BEGINNINGS.len()];
         for step in 0..self.options.steps {
             let time = step as f64 / self.options.steps as f64;
             ropes.advance(&schedule(&mix, time));
-            if step % 16 == 0 {
+            if step % SHAKEN_EVERY == 0 {
                 self.progress.check()?;
                 if time < SHAKEN {
-                    let noise = 0.3 * (1.0 - time / SHAKEN);
+                    let noise = SHAKE * (1.0 - time / SHAKEN);
                     ropes.shake(|| noise * random.in_ball());
                 }
             }
         }
-        Ok(self.settled(ropes))
+        Ok(self.settled(symmetry, ropes))
     }
 
-    fn finish(&self, x: Vec<DVec3>, mix: &Mix) -> Result<Settled, Cancelled> {
-        let mut ropes = Ropes::new(self.map, self.layout, self.imposed, x);
+    fn finish(&self, symmetry: usize, x: Vec<DVec3>, mix: &Mix) -> Result<Settled, Cancelled> {
+        let mut ropes = Ropes::new(self.map, self.layout, &self.candidates[symmetry], x);
         for step in 0..self.options.steps {
             let time = 0.7 + 0.3 * step as f64 / self.options.steps as f64;
             ropes.advance(&schedule(mix, time));
-            if step % 16 == 0 {
+            if step % SHAKEN_EVERY == 0 {
                 self.progress.check()?;
             }
         }
-        Ok(self.settled(ropes))
+        Ok(self.settled(symmetry, ropes))
     }
 
-    fn settled(&self, ropes: Ropes) -> Settled {
-        let skeleton = normalised(ropes.skeleton(), self.imposed);
+    fn settled(&self, symmetry: usize, ropes: Ropes) -> Settled {
+        let skeleton = normalised(ropes.skeleton(), &self.candidates[symmetry]);
         let clearance = clearance(self.map, &skeleton);
-        Settled { x: ropes.x, symmetry: self.symmetry, skeleton, clearance }
+        Settled { x: ropes.x, symmetry, skeleton, clearance }
     }
 }
 
 /// Part of the time in which ropes are shaken.
 const SHAKEN: f64 = 0.3;
+
+/// How far points are shaken at first, diameters. More than half a diameter would undo what descent has done.
+const SHAKE: f64 = 0.3;
+
+/// Steps from one shake, and one look whether to stop, to the next.
+const SHAKEN_EVERY: usize = 16;
 
 /// Strengths that decide whether a skeleton is wide or tight, spread evenly or taut: at first, and in the end.
 #[derive(Clone, Copy)]
