@@ -1,0 +1,291 @@
+//! A source map in space: target, skeleton, tubes, drawing, and what all of it turned out to be.
+//!
+//! In: a source map; [`RealizeOptions`]. Out: [`Realization`].
+//! Holds: the drawn map passed its check; the surface is closed; the number of self-intersections of the final triangles is
+//! stated and zero unless more were allowed; the rotation group is measured on the surface.
+//! Source: [Razafindrazaka2015] §9.2–9.6, Fig. 9.17.
+
+use crate::drawing::{DrawError, DrawOptions, Drawing, DrawnCounts, EdgeStyle, draw};
+use crate::map::RegularMap;
+use crate::matching::{MatchOptions, TubeMatch, find_matches};
+use crate::rotations::{Measured, measure};
+use crate::skeleton::{self, RelaxOptions, Relaxed, Skeleton, SkeletonError};
+use crate::tubes::{TubeError, TubeOptions, TubeSurface};
+use quadloom_mesh::{Cancelled, FaceId, Progress, self_intersections};
+use serde::Serialize;
+
+/// How a skeleton is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SkeletonKind {
+    /// Exact where the target lies on a sphere or torus, else relaxed, else drawn.
+    #[default]
+    Auto,
+    /// Straight edges or arcs of a map on the sphere.
+    Sphere,
+    /// Geodesics of a flat torus on a torus in space.
+    Torus,
+    /// The target drawn on a tube surface of its own target ([Razafindrazaka2015] §9.2, the sequence M_i).
+    Drawn,
+    /// Targetless: the edge graph, relaxed (§9.2–9.4).
+    Relaxed,
+}
+
+/// How a map is realised.
+#[derive(Clone, Debug)]
+pub struct RealizeOptions {
+    /// Where the skeleton comes from. Default: what is known to be best.
+    pub skeleton: SkeletonKind,
+    /// Relaxation.
+    pub relax: RelaxOptions,
+    /// Tubes.
+    pub tubes: TubeOptions,
+    /// Drawing; `height` counts in tube radii here.
+    pub draw: DrawOptions,
+    /// Radius of the tubes as a share of the largest that has room. Default 1.
+    pub thickness: f64,
+    /// Whether a surface that intersects itself is still a result. Default: no.
+    pub allow_intersections: bool,
+}
+
+impl Default for RealizeOptions {
+    fn default() -> Self {
+        Self {
+            skeleton: SkeletonKind::Auto,
+            relax: RelaxOptions::default(),
+            tubes: TubeOptions::default(),
+            draw: DrawOptions::default(),
+            thickness: 1.0,
+            allow_intersections: false,
+        }
+    }
+}
+
+/// A map in space.
+#[derive(Clone, Debug)]
+pub struct Realization {
+    /// The target and how quarter-tubes lie in the source's plane.
+    pub matched: TubeMatch,
+    /// The surface.
+    pub tubes: Tubified,
+    /// The map on it.
+    pub drawing: Drawing,
+    /// What was counted on the drawing.
+    pub counts: DrawnCounts,
+    /// Pairs of triangles of the drawing that meet where they should not.
+    pub intersections: Vec<[FaceId; 2]>,
+}
+
+/// A target's edge graph as tubes.
+#[derive(Clone, Debug)]
+pub struct Tubified {
+    /// The tubes' axes.
+    pub skeleton: Skeleton,
+    /// Where they come from.
+    pub kind: SkeletonKind,
+    /// The surface.
+    pub surface: TubeSurface,
+    /// The rotations that it has.
+    pub rotations: Measured,
+}
+
+/// Why a map could not be realised.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RealizeError {
+    /// There is no target.
+    #[error(
+        "{0} matches no tube surface; its own edges can be tubified instead (`regular-map tubify`), or it can be drawn \
+         flat (`regular-map tile`)"
+    )]
+    NoMatch(String),
+    /// The target has no skeleton of this kind.
+    #[error("the target {target} has no {kind} skeleton; choose another one, or auto")]
+    NoSkeleton {
+        /// The target.
+        target: String,
+        /// The kind asked for.
+        kind: &'static str,
+    },
+    /// No skeleton at all.
+    #[error(transparent)]
+    Skeleton(#[from] SkeletonError),
+    /// No tubes.
+    #[error(transparent)]
+    Tubes(TubeError),
+    /// No drawing.
+    #[error(transparent)]
+    Draw(#[from] DrawError),
+    /// The surface intersects itself.
+    #[error(
+        "the tubes around {target} intersect themselves ({pairs} pairs of triangles or more) however thin they are made; \
+         allow it to get the surface all the same, or choose another target, skeleton or symmetry"
+    )]
+    Intersections {
+        /// The target.
+        target: String,
+        /// Pairs found.
+        pairs: usize,
+    },
+    /// Stopped from outside.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Realises a source map on the best of its targets that works.
+///
+/// # Errors     [`RealizeError::NoMatch`]; the first target's error where none works
+/// # Cost       relaxation, where it is needed, then linear in the triangles
+pub fn realize(
+    source: &RegularMap,
+    options: &RealizeOptions,
+    progress: &Progress,
+) -> Result<Realization, RealizeError> {
+    let mut matches = find_matches(source, &MatchOptions::default());
+    matches.sort_by_key(|m| preference(&m.target));
+    let mut first = None;
+    for found in matches {
+        match realize_on(source, found, options, progress) {
+            Err(RealizeError::Cancelled(stop)) => return Err(stop.into()),
+            Err(error) => _ = first.get_or_insert(error),
+            done => return done,
+        }
+    }
+    Err(first.unwrap_or_else(|| RealizeError::NoMatch(source.to_string())))
+}
+
+/// Which targets give the best surfaces: solids, then graphs with several junctions, then bunches and bouquets; twisted
+/// tubes last.
+fn preference(target: &RegularMap) -> (bool, bool, usize, std::cmp::Reverse<usize>) {
+    let solid = target.genus() == 0 && target.vertex_count() > 2;
+    let exact = if target.is_orientable() { target.genus().min(2) } else { 2 };
+    (
+        !target.is_orientable(),
+        !solid,
+        if target.vertex_count() > 2 { 0 } else { 1 + exact },
+        std::cmp::Reverse(target.vertex_count()),
+    )
+}
+
+/// Realises a source map on one of its targets.
+///
+/// # Errors     see [`RealizeError`]
+pub fn realize_on(
+    source: &RegularMap,
+    matched: TubeMatch,
+    options: &RealizeOptions,
+    progress: &Progress,
+) -> Result<Realization, RealizeError> {
+    let mut tubes = tubify(&matched.target, options, progress)?;
+    for left in (0..=SHRINKS).rev() {
+        progress.check()?;
+        progress.report("draw", 1.0 - left as f64 / SHRINKS as f64);
+        let (drawing, counts) = draw_on(source, &matched, &tubes.surface, options)?;
+        let intersections = self_intersections(&drawing.mesh, MOST_PAIRS);
+        if intersections.is_empty() || (left == 0 && options.allow_intersections) {
+            tubes.rotations = rotations(&matched.target, &tubes.surface);
+            return Ok(Realization { matched, tubes, drawing, counts, intersections });
+        }
+        if left == 0 {
+            let target = matched.target.to_string();
+            return Err(RealizeError::Intersections { target, pairs: intersections.len() });
+        }
+        // What meets is thinned until it does not.
+        let thinner = TubeOptions { radius: Some(SHRINK * tubes.surface.radius()), ..options.tubes.clone() };
+        tubes.surface = TubeSurface::build(&matched.target, &tubes.skeleton, &thinner).map_err(RealizeError::Tubes)?;
+    }
+    Err(RealizeError::NoMatch(source.to_string()))
+}
+
+/// Pairs of intersecting triangles that are counted.
+const MOST_PAIRS: usize = 1000;
+/// How often tubes are made thinner.
+const SHRINKS: usize = 8;
+/// How much.
+const SHRINK: f64 = 0.85;
+
+fn draw_on(
+    source: &RegularMap,
+    matched: &TubeMatch,
+    surface: &TubeSurface,
+    options: &RealizeOptions,
+) -> Result<(Drawing, DrawnCounts), RealizeError> {
+    let place = |flag, u, v| (surface.point(flag, u, v), surface.normal(flag, u, v));
+    let draw_options = DrawOptions { height: options.draw.height * surface.radius(), ..options.draw };
+    Ok(draw(source, matched, place, &draw_options)?)
+}
+
+/// The tube surface of a map's edge graph.
+///
+/// # Errors     see [`RealizeError`]
+/// # Source     [Razafindrazaka2015] §9.2–9.4
+pub fn tubify(target: &RegularMap, options: &RealizeOptions, progress: &Progress) -> Result<Tubified, RealizeError> {
+    let (skeleton, kind) = skeleton_of(target, options, progress)?;
+    progress.report("tubes", 0.0);
+    let mut surface = TubeSurface::build(target, &skeleton, &options.tubes).map_err(RealizeError::Tubes)?;
+    if options.thickness < 1.0 {
+        let thinner = TubeOptions { radius: Some(options.thickness * surface.radius()), ..options.tubes.clone() };
+        surface = TubeSurface::build(target, &skeleton, &thinner).map_err(RealizeError::Tubes)?;
+    }
+    let rotations = rotations(target, &surface);
+    Ok(Tubified { skeleton, kind, surface, rotations })
+}
+
+fn rotations(target: &RegularMap, surface: &TubeSurface) -> Measured {
+    measure(target, |flag| SAMPLES.map(|[u, v]| surface.point(flag, u, v)).to_vec())
+}
+
+/// Points of a quarter-tube that decide about symmetry: its corners do not tell all twists apart, so others are with them.
+const SAMPLES: [[f64; 2]; 4] = [[0.0, 0.0], [0.25, 0.5], [0.625, 0.25], [1.0, 0.5]];
+
+fn skeleton_of(
+    target: &RegularMap,
+    options: &RealizeOptions,
+    progress: &Progress,
+) -> Result<(Skeleton, SkeletonKind), RealizeError> {
+    let missing = |kind| RealizeError::NoSkeleton { target: target.to_string(), kind };
+    let exact = |kind| match kind {
+        SkeletonKind::Sphere => skeleton::spherical(target).ok_or_else(|| missing("spherical")),
+        _ => skeleton::torus(target).ok_or_else(|| missing("toroidal")),
+    };
+    let kind = options.skeleton;
+    match kind {
+        SkeletonKind::Sphere | SkeletonKind::Torus => Ok((exact(kind)?, kind)),
+        SkeletonKind::Drawn => drawn(target, options, progress)?.map(|s| (s, kind)).ok_or_else(|| missing("drawn")),
+        SkeletonKind::Relaxed => Ok((relax(target, options, progress)?.skeleton, kind)),
+        SkeletonKind::Auto => {
+            for kind in [SkeletonKind::Sphere, SkeletonKind::Torus] {
+                if let Ok(skeleton) = exact(kind) {
+                    return Ok((skeleton, kind));
+                }
+            }
+            match relax(target, options, progress) {
+                Ok(found) => Ok((found.skeleton, SkeletonKind::Relaxed)),
+                Err(SkeletonError::Cancelled(stop)) => Err(stop.into()),
+                Err(error) => match drawn(target, options, progress)? {
+                    Some(skeleton) => Ok((skeleton, SkeletonKind::Drawn)),
+                    None => Err(error.into()),
+                },
+            }
+        }
+    }
+}
+
+fn relax(target: &RegularMap, options: &RealizeOptions, progress: &Progress) -> Result<Relaxed, SkeletonError> {
+    progress.report("relax", 0.0);
+    skeleton::relax(target, &options.relax, progress)
+}
+
+/// The target drawn on the tubes of one of its own targets, if there is one ([Razafindrazaka2015] §9.2).
+fn drawn(target: &RegularMap, options: &RealizeOptions, progress: &Progress) -> Result<Option<Skeleton>, RealizeError> {
+    let inner = RealizeOptions {
+        skeleton: SkeletonKind::Auto,
+        draw: DrawOptions { edges: EdgeStyle::None, ..DrawOptions::default() },
+        tubes: TubeOptions::default(),
+        ..options.clone()
+    };
+    match realize(target, &inner, progress) {
+        Ok(found) => Ok(Some(found.drawing.skeleton(target)?)),
+        Err(RealizeError::Cancelled(stop)) => Err(stop.into()),
+        Err(_) => Ok(None),
+    }
+}
