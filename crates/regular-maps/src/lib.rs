@@ -11,6 +11,7 @@
 //! | an element of Sym(G_pq) | a flag ([`FlagId`]): the one that the element takes flag 0 to |
 #![warn(missing_docs)]
 
+pub mod catalogue;
 pub mod colouring;
 pub mod coset;
 pub mod drawing;

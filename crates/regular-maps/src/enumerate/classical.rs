@@ -4,6 +4,7 @@
 //! Source: [CoxeterMoser1980] §§4.2, 8.3, 8.4.
 
 use crate::error::MapError;
+use crate::map::RegularMap;
 use crate::presentation::Presentation;
 use crate::word::{Letter, Word};
 
@@ -26,10 +27,17 @@ pub fn platonic_name(p: usize, q: usize) -> Option<&'static str> {
 
 /// The sphere cut into n digons {2, n} that meet at two poles. Its dual {n, 2} is a polygon with two sides.
 ///
-/// # Errors     [`MapError::NoType`] for n below 2
+/// # Errors     [`MapError::NoType`] for n below 2; [`MapError::NotRegular`] for n beyond 1000
 pub fn hosohedron(n: usize) -> Result<Presentation, MapError> {
-    if n < 2 { Err(MapError::NoType('S')) } else { Ok(Presentation::new(2, n, Vec::new())) }
+    match n {
+        0 | 1 => Err(MapError::NoType('S')),
+        2..=MOST_DIGONS => Ok(Presentation::new(2, n, Vec::new())),
+        _ => Err(MapError::NotRegular(format!("{{2,{n}}} has more than {MOST_DIGONS} faces"))),
+    }
 }
+
+/// Most digons of a hosohedron: the time of its coset enumeration grows with the square.
+const MOST_DIGONS: usize = 1000;
 
 /// The tilings of the plane by one regular polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -62,8 +70,8 @@ pub fn toroidal(kind: ToroidalType, b: usize, c: usize) -> Result<Presentation, 
     Ok(Presentation::new(p, q, vec![step.power(b as i64)]))
 }
 
-/// Most steps: maps have up to 12·b² flags times 3.
-const LARGEST: usize = 1000;
+/// Most steps: a map has up to 36·b² flags, and the time of its coset enumeration grows with b³.
+const LARGEST: usize = 60;
 
 impl ToroidalType {
     /// The type {p, q}, if it is one of the torus.
@@ -74,6 +82,19 @@ impl ToroidalType {
             (6, 3) => Some(Self::Hexagons),
             _ => None,
         }
+    }
+
+    /// The translation of a map of this type, as `(b,c)`.
+    pub(crate) fn step_of(self, map: &RegularMap) -> (usize, usize) {
+        let root = |n: usize| (1..=n).find(|b| b * b >= n).unwrap_or(n);
+        // Cells of the lattice: b² for (b, 0), and two or three times as many for (b, b).
+        let (cells, skew) = match self {
+            Self::Squares => (map.face_count(), 2),
+            Self::Triangles => (map.vertex_count(), 3),
+            Self::Hexagons => (map.face_count(), 3),
+        };
+        let b = root(cells);
+        if b * b == cells { (b, 0) } else { (root(cells / skew), root(cells / skew)) }
     }
 
     fn p_q(self) -> (usize, usize) {
@@ -111,7 +132,6 @@ impl ToroidalType {
 mod tests {
     use super::*;
     use crate::coset::CosetLimit;
-    use crate::map::RegularMap;
 
     fn map(presentation: &Presentation) -> RegularMap {
         RegularMap::from_presentation(presentation, CosetLimit::default()).unwrap()

@@ -16,7 +16,7 @@ mod search;
 mod types;
 
 pub use chiral::{ChiralMap, enumerate_chiral_maps};
-pub use classical::{ToroidalType, hosohedron, platonic, toroidal};
+pub use classical::{ToroidalType, hosohedron, platonic, platonic_name, toroidal};
 
 use crate::error::MapError;
 use crate::map::RegularMap;

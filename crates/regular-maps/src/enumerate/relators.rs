@@ -86,8 +86,8 @@ impl Relator {
         let block = &self.exponents()[..self.period];
         let power = (self.len() / self.period) as i64;
         let inverse = self.inverse();
-        let candidates = (0..self.period)
-            .flat_map(|k| [self, &inverse].map(|relator| spelled(&relator.turns[k..k + block.len()], self.p, q)));
+        let shifts = (0..self.period).flat_map(|k| [self, &inverse].map(|relator| &relator.turns[k..k + block.len()]));
+        let candidates = shifts.flat_map(|cycle| [false, true].map(|first| spelled(cycle, first, self.p, q)));
         let best = candidates.min_by_key(|word| (word.letters().len(), word.to_string().len(), word.clone()));
         (best.unwrap_or_default(), power)
     }
@@ -99,10 +99,10 @@ fn period(cycle: &[u32]) -> usize {
     (1..=n).find(|&k| n.is_multiple_of(k) && (k..n).all(|i| cycle[i] == cycle[i - k])).unwrap_or(n)
 }
 
-/// The cyclic word in R and S. An x is written RS or S⁻¹R⁻¹; which, is found from left to right (a shortest path).
-fn spelled(cycle: &[u32], p: u32, q: u32) -> Word {
-    let best = [false, true].map(|first| forms(cycle, p, first)).into_iter().min().unwrap_or_default();
-    let inverted = best.1;
+/// The cyclic word in R and S. An x is written RS or S⁻¹R⁻¹ (`first` says whether the first one is S⁻¹R⁻¹); which, is
+/// found from left to right (a shortest path).
+fn spelled(cycle: &[u32], first: bool, p: u32, q: u32) -> Word {
+    let (_, inverted) = forms(cycle, p, first);
     let mut word = Vec::new();
     for (i, &turn) in cycle.iter().enumerate() {
         let next = inverted[(i + 1) % cycle.len()];
