@@ -113,7 +113,8 @@ impl ToroidalType {
             Self::Squares => Word::new([R, SInverse]),
             // A third of a turn about a face, and back about its corner by two sixths.
             Self::Triangles => Word::new([RInverse, S, S]),
-            Self::Hexagons => Word::new([R, R, SInverse]),
+            // The dual's, R and S exchanged.
+            Self::Hexagons => Word::new([SInverse, R, R]),
         }
     }
 
@@ -159,6 +160,14 @@ mod tests {
             assert_eq!([faces(Triangles, 0), faces(Triangles, b)], [2 * b * b, 6 * b * b]);
             assert_eq!([faces(Hexagons, 0), faces(Hexagons, b)], [b * b, 3 * b * b]);
         }
+    }
+
+    #[test]
+    fn a_torus_may_have_many_faces() {
+        let orders = [ToroidalType::Squares, ToroidalType::Triangles, ToroidalType::Hexagons]
+            .map(|kind| map(&toroidal(kind, 24, 24).unwrap()).order());
+        assert_eq!(orders, [16 * 576, 36 * 576, 36 * 576]);
+        assert!(toroidal(ToroidalType::Squares, 61, 0).is_err());
     }
 
     #[test]
