@@ -40,7 +40,7 @@ pub struct RealizeOptions {
     pub relax: RelaxOptions,
     /// Tubes.
     pub tubes: TubeOptions,
-    /// Drawing; `height` counts in tube radii here.
+    /// Drawing; `height` counts in tube radii here, and `steps` are at least as many as the tubes' bends need.
     pub draw: DrawOptions,
     /// Radius of the tubes as a share of the largest that has room. Default 1.
     pub thickness: f64,
@@ -210,7 +210,9 @@ fn draw_on(
     options: &RealizeOptions,
 ) -> Result<(Drawing, DrawnCounts), RealizeError> {
     let place = |flag, u, v| (surface.point(flag, u, v), surface.normal(flag, u, v));
-    let draw_options = DrawOptions { height: options.draw.height * surface.radius(), ..options.draw };
+    let [along, around] = surface.steps();
+    let steps = [along.max(options.draw.steps[0]), around.max(options.draw.steps[1])];
+    let draw_options = DrawOptions { height: options.draw.height * surface.radius(), steps, ..options.draw };
     Ok(draw(source, matched, place, &draw_options)?)
 }
 

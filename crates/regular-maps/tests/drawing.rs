@@ -40,7 +40,7 @@ fn kleins_quartic_is_drawn_in_every_style() {
     for m in &found {
         for drawn in [Drawn::Map, Drawn::Dual] {
             for edges in [EdgeStyle::None, EdgeStyle::Bands(0.2), EdgeStyle::Tubes(0.2), EdgeStyle::Relief(0.3)] {
-                let options = DrawOptions { drawn, edges, height: 0.1, steps: 4 };
+                let options = DrawOptions { drawn, edges, height: 0.1, steps: [4, 4] };
                 let (drawing, counts) = draw(&klein, m, anywhere, &options).unwrap();
                 assert_eq!(counts.edges, 84);
                 assert_eq!(counts.faces, if drawn == Drawn::Map { 56 } else { 24 });
@@ -74,7 +74,7 @@ fn a_drawing_with_two_flags_swapped_does_not_pass() {
 #[test]
 fn every_match_draws_its_source() {
     let Some(rows) = table("regular_maps_g02_24.tsv") else { return };
-    let options = DrawOptions { edges: EdgeStyle::None, steps: 4, ..DrawOptions::default() };
+    let options = DrawOptions { edges: EdgeStyle::None, steps: [4, 4], ..DrawOptions::default() };
     let mut failed = Vec::new();
     for row in rows {
         let extra = row[14].split(", ").filter(|w| !w.is_empty()).map(|w| Word::parse(w).unwrap()).collect();

@@ -165,14 +165,14 @@ impl LocalPicture {
         plane: &Plane,
         quad: &[DVec3; 4],
         strips: &Strips,
-        steps: usize,
+        steps: [usize; 2],
     ) -> Result<Self, MapError> {
         // Lines of the tiling are curved in (u, v). Pieces whose sides are too long to follow them are cut smaller.
         let attempt = |factor: usize| {
             let mut picture = Self::outlined(source, plane, quad, strips);
-            picture.halve_sides(plane, (factor * steps).max(1));
+            picture.halve_sides(plane, steps.map(|n| (factor * n).max(1)));
             picture.triangulate();
-            picture.halve_inside(steps.max(1));
+            picture.halve_inside(steps.map(|n| n.max(1)));
             picture.check_area().map(|()| picture)
         };
         [1, 2, 4, 8].into_iter().map(attempt).find(Result::is_ok).unwrap_or_else(|| attempt(16))

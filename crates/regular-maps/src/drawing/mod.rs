@@ -36,14 +36,14 @@ pub struct DrawOptions {
     pub edges: EdgeStyle,
     /// Height of ridges and reliefs above the surface, units of the surface. Default 0.
     pub height: f64,
-    /// Steps along and around a quarter-tube at least: triangles are halved until none is longer. Default 8; triangles
-    /// grow with its square.
-    pub steps: usize,
+    /// Steps along and around a quarter-tube at least: triangles are halved until none is longer. Default 8 and 8;
+    /// triangles grow with their product.
+    pub steps: [usize; 2],
 }
 
 impl Default for DrawOptions {
     fn default() -> Self {
-        Self { drawn: Drawn::Map, edges: EdgeStyle::Bands(0.12), height: 0.0, steps: 8 }
+        Self { drawn: Drawn::Map, edges: EdgeStyle::Bands(0.12), height: 0.0, steps: [8, 8] }
     }
 }
 

@@ -22,7 +22,7 @@ fn sides_of(corners: &[u32]) -> impl Iterator<Item = Side> + '_ {
 impl LocalPicture {
     /// Halves sides of pieces that are longer than 1/`steps` in u or v until there are none; new vertices lie on the
     /// straight lines of the plane, which are curves in (u, v).
-    pub fn halve_sides(&mut self, plane: &Plane, steps: usize) {
+    pub fn halve_sides(&mut self, plane: &Plane, steps: [usize; 2]) {
         // Sides shrink by half each time; the bound is for sides that rounding keeps at the limit.
         for _ in 0..16 {
             let sides = self.outlines.iter().flat_map(|o| sides_of(&o.corners));
@@ -46,7 +46,7 @@ impl LocalPicture {
     }
 
     /// Halves sides of triangles inside pieces that are longer than 1/`steps` in u or v; new vertices lie midway in (u, v).
-    pub fn halve_inside(&mut self, steps: usize) {
+    pub fn halve_inside(&mut self, steps: [usize; 2]) {
         for _ in 0..16 {
             let sides = self.triangles.iter().flat_map(|t| sides_of(&t.corners));
             let mut marked = self.long(sides, steps);
@@ -63,11 +63,11 @@ impl LocalPicture {
         }
     }
 
-    fn long(&self, sides: impl Iterator<Item = Side>, steps: usize) -> BTreeSet<Side> {
-        let longest = (1.0 + 1e-9) / steps as f64;
+    fn long(&self, sides: impl Iterator<Item = Side>, steps: [usize; 2]) -> BTreeSet<Side> {
+        let longest = DVec2::from(steps.map(|n| (1.0 + 1e-9) / n as f64));
         let is_long = |&(i, j): &Side| {
             let [a, b] = [i, j].map(|v| self.points[v as usize].uv);
-            (a - b).abs().max_element() > longest
+            (a - b).abs().cmpgt(longest).any()
         };
         sides.filter(is_long).map(|(i, j)| key(i, j)).collect()
     }

@@ -14,6 +14,9 @@ const SUBDIVISION: usize = 8;
 /// Segments of a curve at most; beyond it the polyline shows on tubes that are thick compared with their bends.
 const MOST_SEGMENTS: usize = 96;
 
+/// Segments of a curve at least: frames turn evenly from one to the next, also about a straight line.
+const LEAST_SEGMENTS: usize = 24;
+
 /// Turning of a whole curve, radians, below which it is straight.
 const STRAIGHT: f64 = 1e-7;
 
@@ -54,7 +57,7 @@ impl Curve {
         let length = arc_lengths(&dense)[dense.len() - 1];
         let turning = turning(&dense);
         let wanted = (length * turning / (8.0 * sagitta)).sqrt().ceil();
-        let segments = if turning < STRAIGHT { 1 } else { (wanted as usize).clamp(8, MOST_SEGMENTS) };
+        let segments = (wanted as usize).clamp(LEAST_SEGMENTS, MOST_SEGMENTS);
         let points = even(&dense, segments);
         let ends = [slopes[0], slopes[slopes.len() - 1]].map(DVec3::normalize);
         let tangents = tangents(&points, ends);
@@ -63,15 +66,32 @@ impl Curve {
     }
 
     /// Frames from the front at the start to the front at the end, both made perpendicular to the curve: the
-    /// rotation-minimising frame and the least uniform twist; of two half-turns the right-handed one.
-    pub(super) fn framed(mut self, start: DVec3, end: DVec3) -> Self {
+    /// rotation-minimising frame and the least uniform twist; of two half-turns the right-handed one. The mean of both ways
+    /// along the curve, so that neither end is preferred.
+    pub(super) fn framed(self, start: DVec3, end: DVec3) -> Self {
+        let there = self.clone().framed_from(start, end);
+        let mut back = self.clone();
+        back.points.reverse();
+        back.tangents.reverse();
+        back.tangents.iter_mut().for_each(|t| *t = -*t);
+        let back = back.framed_from(end, start);
+        let means = there.fronts.iter().zip(back.fronts.iter().rev()).zip(&self.tangents);
+        let fronts = means.map(|((a, b), &t)| across(*a + *b, t)).collect();
+        Self { fronts, ..self }
+    }
+
+    fn framed_from(mut self, start: DVec3, end: DVec3) -> Self {
         let last = self.points.len() - 1;
         self.fronts[0] = across(start, self.tangents[0]);
         for i in 0..last {
             self.fronts[i + 1] = self.transported(i);
         }
         let twist = angle_about(self.tangents[last], self.fronts[last], across(end, self.tangents[last]));
-        self.twist = if twist < HALF_TURN - PI { twist + 2.0 * PI } else { twist };
+        let twist = if twist < 1e-6 - PI { twist + 2.0 * PI } else { twist };
+        for i in 0..=last {
+            let turn = DQuat::from_axis_angle(self.tangents[i], twist * i as f64 / last as f64);
+            self.fronts[i] = across(turn * self.fronts[i], self.tangents[i]);
+        }
         self
     }
 
@@ -80,9 +100,9 @@ impl Curve {
         self.length
     }
 
-    /// Points at even arc length, ends included.
-    pub(super) fn points(&self) -> &[DVec3] {
-        &self.points
+    /// Points between which the curve is straight, ends included.
+    pub(super) fn points(&self) -> Vec<DVec3> {
+        if self.straight { vec![self.points[0], self.points[self.points.len() - 1]] } else { self.points.clone() }
     }
 
     /// Directions at the start and, backwards, at the end.
@@ -225,7 +245,6 @@ mod tests {
         for (start, end) in [(DVec3::Y, -DVec3::Y), (-DVec3::Z, DVec3::Z)] {
             let curve = Curve::through(&line, 1e-3).unwrap();
             assert_eq!(curve.points().len(), 2);
-            // A straight line has two points: the middle must still have turned half way.
             let middle = curve.framed(start, end).at(0.5);
             assert!(middle.front.distance(DVec3::X.cross(start)) < 1e-9, "{middle:?}");
         }

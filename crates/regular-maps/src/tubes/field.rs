@@ -38,7 +38,7 @@ pub(super) struct Field {
 impl Field {
     /// # Input      `radius` of tubes; `softness`: support relative to it, above 1
     pub(super) fn new(curves: &[Curve], radius: f64, softness: f64) -> Self {
-        let strands = curves.iter().map(|curve| Strand::new(curve.points())).collect();
+        let strands = curves.iter().map(|curve| Strand::new(&curve.points())).collect();
         let level = (1.0 - softness.powi(-2)).powf(2.5);
         Self { strands, support: radius * softness, level }
     }

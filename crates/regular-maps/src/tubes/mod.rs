@@ -38,13 +38,13 @@ pub struct TubeOptions {
     pub radius: Option<f64>,
     /// How far junctions reach, in radii, above 1. Default 1.45. Larger: softer and thicker junctions.
     pub softness: f64,
-    /// Quads along and around a quarter-tube of the mesh. Default 12 and 8.
-    pub quads: [usize; 2],
+    /// Quads along and around a quarter-tube of the mesh. Default: as many as its bends need.
+    pub quads: Option<[usize; 2]>,
 }
 
 impl Default for TubeOptions {
     fn default() -> Self {
-        Self { radius: None, softness: 1.45, quads: [12, 8] }
+        Self { radius: None, softness: 1.45, quads: None }
     }
 }
 
@@ -98,7 +98,8 @@ impl TubeSurface {
                 None => radius *= THINNER,
             }
         };
-        Ok(Self { map: map.clone(), skin, cage: grid::cage_counts(map), quads: options.quads })
+        let quads = options.quads.unwrap_or_else(|| skin.steps());
+        Ok(Self { map: map.clone(), skin, cage: grid::cage_counts(map), quads })
     }
 
     /// Radius of the tubes, units of the skeleton.
@@ -109,6 +110,11 @@ impl TubeSurface {
     /// Vertices, edges and faces of the cage that has one quad for each quarter-tube.
     pub fn cage_counts(&self) -> [usize; 3] {
         self.cage
+    }
+
+    /// Pieces along and around a quarter-tube that follow its bends.
+    pub fn steps(&self) -> [usize; 2] {
+        self.skin.steps()
     }
 
     /// The point at (u, v) of a flag's quarter-tube; neighbours agree along their common side up to rounding.

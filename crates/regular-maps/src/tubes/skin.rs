@@ -15,6 +15,15 @@ use crate::skeleton::{Skeleton, edge_flags, upright_flags};
 use glam::DVec3;
 use quadloom_mesh::Id;
 use std::f64::consts::{PI, TAU};
+/// Length of a junction relative to how far its skin reaches along the tube; below 1 rays would cross inside it.
+const JUNCTION_LENGTH: f64 = 1.6;
+/// The same, in radii, where it does not reach along the tube at all.
+const JUNCTION_MARGIN: f64 = 0.8;
+/// Junctions end here at the latest, as a share of half a tube.
+const LONGEST_JUNCTION: f64 = 0.9;
+/// Pieces along half a tube at most.
+const MOST_STEPS: usize = 48;
+
 /// How a quarter-tube lies in space.
 #[derive(Clone, Copy, Debug)]
 struct Quarter {
@@ -53,25 +62,43 @@ impl Skin {
         radius: f64,
         softness: f64,
     ) -> Option<Self> {
-        let field = Field::new(curves, radius, softness);
-        let mut quarters = quarters(map, skeleton, curves);
-        let mut reach = 4.0 * radius;
-        for flag in map.flags() {
-            let half = half_angles(map, curves, &quarters, flag);
-            let parting = radius * half.iter().map(|a| 2.0 * a.tan().recip().max(0.0) + 1.0).fold(0.0, f64::max);
-            quarters[flag].parting = parting;
-            reach = half.iter().map(|a| 4.0 * radius / a.sin().max(0.02)).fold(reach, f64::max);
-            if parting > 0.5 * curves[quarters[flag].edge].length() {
-                return None;
-            }
-        }
         let mut edges_at = vec![Vec::new(); map.vertex_count()];
         map.flags().for_each(|f| edges_at[map.vertex(f).index()].push(map.edge(f).index()));
         for list in &mut edges_at {
             list.sort_unstable();
             list.dedup();
         }
-        Some(Self { curves: curves.to_vec(), field, radius, quarters, edges_at, reach })
+        let field = Field::new(curves, radius, softness);
+        let quarters = quarters(map, skeleton, curves);
+        let reach = curves.iter().map(Curve::length).fold(4.0 * radius, f64::max);
+        let mut skin = Self { curves: curves.to_vec(), field, radius, quarters, edges_at, reach };
+        for flag in map.flags() {
+            let sides = [flag, map.reflect(flag, Reflection::R2)];
+            let extent = sides.iter().map(|&f| skin.extent(f)).fold(0.0, f64::max);
+            let parting = JUNCTION_LENGTH * extent + JUNCTION_MARGIN * radius;
+            skin.quarters[flag].parting = parting;
+            if parting > LONGEST_JUNCTION * 0.5 * curves[skin.quarters[flag].edge].length() {
+                return None;
+            }
+        }
+        Some(skin)
+    }
+
+    /// How far the skin over the junction's side of a quarter-tube reaches along the tube.
+    fn extent(&self, flag: FlagId) -> f64 {
+        let quarter = &self.quarters[flag];
+        let tangent = leaving(&self.curves, quarter);
+        let along = |v: f64| {
+            let (start, direction) = self.ray(flag, 0.0, v);
+            self.leave(quarter.vertex, start, direction) * direction.dot(tangent)
+        };
+        [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0].map(along).into_iter().fold(0.0, f64::max)
+    }
+
+    /// Pieces along and around a quarter-tube that follow its bends.
+    pub(super) fn steps(&self) -> [usize; 2] {
+        let longest = self.curves.iter().map(Curve::length).fold(0.0, f64::max);
+        [((0.5 * longest / self.radius).ceil() as usize).clamp(8, MOST_STEPS), 10]
     }
 
     pub(super) fn radius(&self) -> f64 {
@@ -117,7 +144,10 @@ impl Skin {
     /// The axis at u, with the tangent away from the flag's vertex, and the arc length from there.
     fn station(&self, quarter: &Quarter, u: f64) -> (Station, f64) {
         let curve = &self.curves[quarter.edge];
-        let arc = 0.5 * u * curve.length();
+        let half = 0.5 * curve.length();
+        // The junction, however short, gets its share of u.
+        let slope = (1.2 * quarter.parting / half).clamp(0.08, 1.0);
+        let arc = half * u * (slope + (1.0 - slope) * u);
         let mut station = curve.at(if quarter.starts { arc } else { curve.length() - arc });
         if !quarter.starts {
             station.tangent = -station.tangent;
@@ -190,10 +220,4 @@ fn bisector(map: &RegularMap, curves: &[Curve], quarters: &FlagMap<Quarter>, fla
     let (sin, cos) = (0.5 * angle).sin_cos();
     let height = 0.5 * (pole.dot(a) + pole.dot(b));
     (cos * x + sin * y) * (1.0 - height * height).max(0.0).sqrt() + height * pole
-}
-
-/// Angles between a tube's direction and the bisectors on both its sides.
-fn half_angles(map: &RegularMap, curves: &[Curve], quarters: &FlagMap<Quarter>, flag: FlagId) -> [f64; 2] {
-    let tangent = leaving(curves, &quarters[flag]);
-    [flag, map.reflect(flag, Reflection::R2)].map(|f| tangent.angle_between(quarters[f].bisector))
 }
