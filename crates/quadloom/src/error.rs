@@ -169,9 +169,11 @@ impl From<quadloom_tiling::TilingError> for RemeshError {
 /// What kind of failure an error of tiling is.
 fn tiling_kind(error: &quadloom_tiling::TilingError) -> FailureKind {
     use quadloom_tiling::TilingError as E;
+    use quadloom_tiling::maps::MapError as M;
     match error {
         E::Option { .. } | E::NoVertex { .. } => FailureKind::Usage,
         E::NoWay { .. } | E::Fault { .. } => FailureKind::NoResult,
+        E::Map { error: M::Folded { .. } | M::NotConverged { .. } | M::Solve { .. }, .. } => FailureKind::NoResult,
         E::Cancelled(stop) if stop.time_limit => FailureKind::Limit,
         E::Cancelled(_) => FailureKind::Cancelled,
         _ => FailureKind::Rejected,

@@ -82,7 +82,7 @@ pub enum DrawError {
 /// Draws a map on a tube surface and checks what was drawn.
 ///
 /// # Input      `place`: point and outward unit normal of the surface at (u, v) of a quarter-tube, named by its flag of the
-///              target; it agrees along sides that are glued
+///   target; it agrees along sides that are glued
 /// # Output     the drawing and what was counted on it
 /// # Errors     [`DrawError`]
 /// # Cost       linear in the triangles, |H| times those of one quarter-tube

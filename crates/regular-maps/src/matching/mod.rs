@@ -6,7 +6,7 @@
 //! copies of the quadrilateral tile the surface of M, because its area is |H|⁻¹ of it and its sides are glued by
 //! isometries. Not: every match there is; half-turns far from the pole and quadrilaterals that are not convex are not
 //! looked at.
-//! Source: [Razafindrazaka2015] §9.5; the search replaces [vanWijk2009].
+//! Source: [Razafindrazaka2015] §9.5; the search replaces [VanWijk2009].
 //!
 //! ```text
 //!   P2 ── b ── M2     P1, P2 the two poles of a junction, M1, M2 the two points opposite each other on the middle of a

@@ -25,7 +25,7 @@ const JUNCTION_PART: f64 = 0.25;
 /// Radius of the thickest tubes relative to the radius of the skeleton's extent about its centre.
 ///
 /// # Output     min of half the distance of points that are no neighbours and of the radius of curvature, divided by the
-///              radius of [`extent`]; 0 where edges cross
+///   radius of [`extent`]; 0 where edges cross
 /// # Cost       quadratic in the number of points
 pub fn clearance(map: &RegularMap, skeleton: &Skeleton) -> f64 {
     clearance_above(map, skeleton, 0.0).unwrap_or(0.0)

@@ -109,7 +109,7 @@ pub fn relaxed(map: &RegularMap, options: &RelaxOptions, progress: &Progress) ->
 ///
 /// # Output     centre at the origin, radius 1
 /// # Errors     [`SkeletonError::NoSymmetry`] for a group asked for by name; [`SkeletonError::Crossing`];
-///              [`SkeletonError::Cancelled`]
+///   [`SkeletonError::Cancelled`]
 /// # Cost       (starts) × (symmetries) × (steps) × (points of a fundamental domain)
 /// # Source     [Razafindrazaka2015] §9.4
 pub fn relax(map: &RegularMap, options: &RelaxOptions, progress: &Progress) -> Result<Relaxed, SkeletonError> {

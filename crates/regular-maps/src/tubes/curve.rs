@@ -1,7 +1,8 @@
 //! The centre line of a tube with its frame.
 //!
-//! In: an edge's polyline. Out: [`Curve`]: points at even arc length, tangents, and the direction of the front line.
-//! Holds: the same curve, walked from the other end, has the same points and frames up to rounding.
+//! In: the edges' polylines. Out: [`Curve`]s: points at even arc length, tangents, and the direction of the front line.
+//! Holds: the same curve, walked from the other end, has the same points and frames up to rounding; curves of one skeleton
+//! are rounded alike, until tubes can follow their bends. Not: that there is room for the tubes.
 //! Source: [Razafindrazaka2015] §9.4, "the normals along each segment are interpolated from the junctions"; the
 //! rotation-minimising frame is the double reflection of [Wang2008].
 
@@ -11,11 +12,25 @@ use std::f64::consts::PI;
 /// Points put on each segment of the polyline before it is measured.
 const SUBDIVISION: usize = 8;
 
-/// Segments of a curve at most; beyond it the polyline shows on tubes that are thick compared with their bends.
-const MOST_SEGMENTS: usize = 96;
+/// Points per tube radius while corners are rounded, and per curve at most.
+const FINENESS: f64 = 4.0;
+const MOST_POINTS: usize = 600;
 
-/// Segments of a curve at least: frames turn evenly from one to the next, also about a straight line.
-const LEAST_SEGMENTS: usize = 24;
+/// Bends are rounded until the radius of curvature is this many tube radii: below 1 tubes pinch, at 1 they have a crease.
+const BEND: f64 = 1.5;
+
+/// Roundings at most; each spreads a corner by about a fifth of the radius in the square.
+const ROUNDINGS: usize = 400;
+
+/// Turns of a polyline next to its end above this angle, radians, are corners: the curve leaves along the first segment.
+const CORNER: f64 = 0.6;
+
+/// Share of the radius by which segments may be off a curve, and segments at most.
+const SAGITTA: f64 = 0.004;
+const MOST_SEGMENTS: usize = 160;
+
+/// Segments at least: a half twist turns by 11° on each.
+const LEAST_SEGMENTS: usize = 16;
 
 /// Turning of a whole curve, radians, below which it is straight.
 const STRAIGHT: f64 = 1e-7;
@@ -28,11 +43,9 @@ const HALF_TURN: f64 = 1e-6;
 pub(super) struct Curve {
     points: Vec<DVec3>,
     tangents: Vec<DVec3>,
-    /// Rotation-minimising from the front at the start.
     fronts: Vec<DVec3>,
-    /// Turn of the front about the tangent at the end, radians; uniform along the curve.
-    twist: f64,
     length: f64,
+    straight: bool,
 }
 
 /// A point of a curve with its frame.
@@ -45,49 +58,27 @@ pub(super) struct Station {
 }
 
 impl Curve {
-    /// The smooth curve through the points of a polyline, as segments that are at most about `sagitta` off; none where its
-    /// length is zero. It has no frame yet.
-    pub(super) fn through(line: &[DVec3], sagitta: f64) -> Option<Self> {
-        let line = distinct(line);
-        if line.len() < 2 {
-            return None;
-        }
-        let slopes = slopes(&line);
-        let dense = refine(&line, &slopes);
-        let length = arc_lengths(&dense)[dense.len() - 1];
-        let turning = turning(&dense);
-        let wanted = (length * turning / (8.0 * sagitta)).sqrt().ceil();
+    fn through(points: Vec<DVec3>, radius: f64) -> Self {
+        let length = arc_lengths(&points)[points.len() - 1];
+        let turning: f64 = points.windows(3).map(turn).sum();
+        let wanted = (length * turning / (8.0 * SAGITTA * radius)).sqrt().ceil();
         let segments = (wanted as usize).clamp(LEAST_SEGMENTS, MOST_SEGMENTS);
-        let points = even(&dense, segments);
-        let ends = [slopes[0], slopes[slopes.len() - 1]].map(DVec3::normalize);
-        let tangents = tangents(&points, ends);
+        let points = even(&points, segments);
+        let tangents = tangents(&points);
         let fronts = tangents.iter().map(|t| t.any_orthonormal_vector()).collect();
-        Some(Self { points, tangents, fronts, twist: 0.0, length })
+        Self { points, tangents, fronts, length, straight: turning < STRAIGHT }
     }
 
     /// Frames from the front at the start to the front at the end, both made perpendicular to the curve: the
-    /// rotation-minimising frame and the least uniform twist; of two half-turns the right-handed one. The mean of both ways
-    /// along the curve, so that neither end is preferred.
-    pub(super) fn framed(self, start: DVec3, end: DVec3) -> Self {
-        let there = self.clone().framed_from(start, end);
-        let mut back = self.clone();
-        back.points.reverse();
-        back.tangents.reverse();
-        back.tangents.iter_mut().for_each(|t| *t = -*t);
-        let back = back.framed_from(end, start);
-        let means = there.fronts.iter().zip(back.fronts.iter().rev()).zip(&self.tangents);
-        let fronts = means.map(|((a, b), &t)| across(*a + *b, t)).collect();
-        Self { fronts, ..self }
-    }
-
-    fn framed_from(mut self, start: DVec3, end: DVec3) -> Self {
+    /// rotation-minimising frame and the least uniform twist; of two half-turns the right-handed one.
+    pub(super) fn framed(mut self, start: DVec3, end: DVec3) -> Self {
         let last = self.points.len() - 1;
         self.fronts[0] = across(start, self.tangents[0]);
         for i in 0..last {
             self.fronts[i + 1] = self.transported(i);
         }
         let twist = angle_about(self.tangents[last], self.fronts[last], across(end, self.tangents[last]));
-        let twist = if twist < 1e-6 - PI { twist + 2.0 * PI } else { twist };
+        let twist = if twist < HALF_TURN - PI { twist + 2.0 * PI } else { twist };
         for i in 0..=last {
             let turn = DQuat::from_axis_angle(self.tangents[i], twist * i as f64 / last as f64);
             self.fronts[i] = across(turn * self.fronts[i], self.tangents[i]);
@@ -100,9 +91,12 @@ impl Curve {
         self.length
     }
 
-    /// Points between which the curve is straight, ends included.
+    /// Points that the segments between them follow the curve through: the two ends where it is straight.
     pub(super) fn points(&self) -> Vec<DVec3> {
-        if self.straight { vec![self.points[0], self.points[self.points.len() - 1]] } else { self.points.clone() }
+        match self.straight {
+            true => vec![self.points[0], self.points[self.points.len() - 1]],
+            false => self.points.clone(),
+        }
     }
 
     /// Directions at the start and, backwards, at the end.
@@ -113,13 +107,11 @@ impl Curve {
     /// The point at an arc length from the start.
     pub(super) fn at(&self, arc: f64) -> Station {
         let last = self.points.len() - 1;
-        let part = (arc / self.length).clamp(0.0, 1.0);
-        let x = part * last as f64;
+        let x = (arc / self.length).clamp(0.0, 1.0) * last as f64;
         let i = (x as usize).min(last - 1);
         let t = x - i as f64;
         let tangent = self.tangents[i].lerp(self.tangents[i + 1], t).normalize_or(self.tangents[i]);
-        let carried = across(self.fronts[i].lerp(self.fronts[i + 1], t), tangent);
-        let front = DQuat::from_axis_angle(tangent, self.twist * part) * carried;
+        let front = across(self.fronts[i].lerp(self.fronts[i + 1], t), tangent);
         Station { point: self.points[i].lerp(self.points[i + 1], t), tangent, front }
     }
 
@@ -130,6 +122,40 @@ impl Curve {
         let (front, tangent) = (mirrored(self.fronts[i], step), mirrored(self.tangents[i], step));
         mirrored(front, self.tangents[i + 1] - tangent)
     }
+}
+
+/// The curves along polylines, for tubes of a radius. They have no frames yet.
+///
+/// # Errors     the number of a polyline without length
+pub(super) fn along(lines: &[Vec<DVec3>], radius: f64) -> Result<Vec<Curve>, usize> {
+    let smooth = |(k, line): (usize, &Vec<DVec3>)| {
+        let line = distinct(line);
+        if line.len() < 2 { Err(k) } else { Ok(through_all(&line)) }
+    };
+    let fine = |line: Vec<DVec3>| {
+        let wanted = FINENESS * arc_lengths(&line)[line.len() - 1] / radius;
+        even(&line, (wanted.ceil() as usize).clamp(16, MOST_POINTS))
+    };
+    let mut fine: Vec<Vec<DVec3>> =
+        lines.iter().enumerate().map(smooth).map(|line| line.map(fine)).collect::<Result<_, _>>()?;
+    for _ in 0..ROUNDINGS {
+        if fine.iter().all(|line| least_bend(line) >= BEND * radius) {
+            break;
+        }
+        fine.iter_mut().for_each(|line| round(line));
+    }
+    Ok(fine.into_iter().map(|line| Curve::through(line, radius)).collect())
+}
+
+/// The least radius of curvature of a polyline with even steps.
+fn least_bend(line: &[DVec3]) -> f64 {
+    line.windows(3).map(|p| 0.5 * p[0].distance(p[2]) / turn(p)).fold(f64::INFINITY, f64::min)
+}
+
+/// Moves points half-way to the middle of their neighbours; the ends stay.
+fn round(line: &mut [DVec3]) {
+    let moved: Vec<DVec3> = line.windows(3).map(|p| 0.5 * p[1] + 0.25 * (p[0] + p[2])).collect();
+    line[1..=moved.len()].copy_from_slice(&moved);
 }
 
 /// The part of a direction perpendicular to a tangent, as a unit vector.
@@ -154,26 +180,12 @@ fn distinct(line: &[DVec3]) -> Vec<DVec3> {
     kept
 }
 
-/// Derivatives by chord length at the points of a polyline, of the parabolas through three points.
-fn slopes(line: &[DVec3]) -> Vec<DVec3> {
-    let steps: Vec<f64> = line.windows(2).map(|p| p[0].distance(p[1])).collect();
-    let chords: Vec<DVec3> = line.windows(2).zip(&steps).map(|(p, h)| (p[1] - p[0]) / h).collect();
-    let last = chords.len() - 1;
-    let end = |near: usize, far: usize| {
-        chords[near] + (chords[near] - chords[far]) * (steps[near] / (steps[near] + steps[far]))
-    };
-    if last == 0 {
-        return vec![chords[0]; 2];
-    }
-    let inner = (0..last).map(|i| (chords[i] * steps[i + 1] + chords[i + 1] * steps[i]) / (steps[i] + steps[i + 1]));
-    std::iter::once(end(0, 1)).chain(inner).chain(std::iter::once(end(last, last - 1))).collect()
-}
-
-/// Points of the cubic curve with these slopes.
-fn refine(line: &[DVec3], slopes: &[DVec3]) -> Vec<DVec3> {
+/// A smooth curve through the points of a polyline: centripetal Catmull-Rom, which does not overshoot at corners.
+fn through_all(line: &[DVec3]) -> Vec<DVec3> {
+    let knots: Vec<f64> = line.windows(2).map(|p| p[0].distance(p[1]).sqrt()).collect();
+    let slopes = slopes(line, &knots);
     let mut points = vec![line[0]];
-    for i in 0..line.len() - 1 {
-        let h = line[i].distance(line[i + 1]);
+    for (i, &h) in knots.iter().enumerate() {
         for k in 1..=SUBDIVISION {
             let t = k as f64 / SUBDIVISION as f64;
             let (a, b) = ((1.0 - t) * (1.0 - t) * t * h, (t - 1.0) * t * t * h);
@@ -182,6 +194,22 @@ fn refine(line: &[DVec3], slopes: &[DVec3]) -> Vec<DVec3> {
         }
     }
     points
+}
+
+/// Derivatives at the points of a polyline, of the parabolas through three points.
+fn slopes(line: &[DVec3], knots: &[f64]) -> Vec<DVec3> {
+    let chords: Vec<DVec3> = line.windows(2).zip(knots).map(|(p, h)| (p[1] - p[0]) / h).collect();
+    let last = chords.len() - 1;
+    if last == 0 {
+        return vec![chords[0]; 2];
+    }
+    let end = |near: usize, far: usize, turn: f64| {
+        let corner = (1.0 - (turn / CORNER).powi(2)).max(0.0);
+        chords[near] + (chords[near] - chords[far]) * (corner * knots[near] / (knots[near] + knots[far]))
+    };
+    let inner = (0..last).map(|i| (chords[i] * knots[i + 1] + chords[i + 1] * knots[i]) / (knots[i] + knots[i + 1]));
+    let [first, final_] = [&line[..3], &line[last - 1..]].map(turn);
+    std::iter::once(end(0, 1, first)).chain(inner).chain(std::iter::once(end(last, last - 1, final_))).collect()
 }
 
 fn arc_lengths(points: &[DVec3]) -> Vec<f64> {
@@ -193,9 +221,10 @@ fn arc_lengths(points: &[DVec3]) -> Vec<f64> {
     arc
 }
 
-fn turning(points: &[DVec3]) -> f64 {
-    let angle = |p: &[DVec3]| (p[1] - p[0]).cross(p[2] - p[1]).length().atan2((p[1] - p[0]).dot(p[2] - p[1]));
-    points.windows(3).map(angle).sum()
+/// The angle between two segments.
+fn turn(p: &[DVec3]) -> f64 {
+    let (a, b) = (p[1] - p[0], p[2] - p[1]);
+    a.cross(b).length().atan2(a.dot(b))
 }
 
 /// Points of a polyline at even arc lengths.
@@ -211,9 +240,17 @@ fn even(dense: &[DVec3], segments: usize) -> Vec<DVec3> {
     std::iter::once(dense[0]).chain(inner).chain(std::iter::once(dense[last])).collect()
 }
 
-fn tangents(points: &[DVec3], ends: [DVec3; 2]) -> Vec<DVec3> {
-    let inner = points.windows(3).map(|p| (p[2] - p[0]).normalize_or(ends[0]));
-    std::iter::once(ends[0]).chain(inner).chain(std::iter::once(ends[1])).collect()
+/// Directions at the points of a polyline with even steps; at the ends those of the parabolas.
+fn tangents(points: &[DVec3]) -> Vec<DVec3> {
+    let last = points.len() - 1;
+    if last == 1 {
+        return vec![(points[1] - points[0]).normalize(); 2];
+    }
+    let end = |a: DVec3, b: DVec3, c: DVec3| (4.0 * b - 3.0 * a - c).normalize_or(DVec3::X);
+    let first = end(points[0], points[1], points[2]);
+    let final_ = -end(points[last], points[last - 1], points[last - 2]);
+    let inner = points.windows(3).map(|p| (p[2] - p[0]).normalize_or(first));
+    std::iter::once(first).chain(inner).chain(std::iter::once(final_)).collect()
 }
 
 #[cfg(test)]
@@ -226,15 +263,20 @@ mod tests {
         if reverse { points.rev().collect() } else { points.collect() }
     }
 
+    fn curve(line: &[DVec3], radius: f64) -> Curve {
+        along(&[line.to_vec()], radius).unwrap().remove(0)
+    }
+
     #[test]
     fn both_ways_are_one_curve() {
         let (one, two) = (DVec3::new(0.3, 0.4, 1.0), DVec3::new(-0.2, 1.0, 0.1));
-        let there = Curve::through(&helix(false), 1e-3).unwrap().framed(one, two);
-        let back = Curve::through(&helix(true), 1e-3).unwrap().framed(two, one);
+        let there = curve(&helix(false), 0.1).framed(one, two);
+        let back = curve(&helix(true), 0.1).framed(two, one);
         for k in 0..=40 {
             let arc = there.length() * k as f64 / 40.0;
             let (a, b) = (there.at(arc), back.at(there.length() - arc));
-            assert!(a.point.distance(b.point) < 1e-12 && a.front.distance(b.front) < 1e-9, "{k}");
+            let off = [a.point.distance(b.point), a.front.distance(b.front)];
+            assert!(off[0] < 1e-12 && off[1] < 1e-9, "{k} {off:?}");
             assert!(a.front.dot(a.tangent).abs() < 1e-12);
         }
     }
@@ -243,10 +285,20 @@ mod tests {
     fn half_turns_are_right_handed() {
         let line = [DVec3::ZERO, DVec3::X];
         for (start, end) in [(DVec3::Y, -DVec3::Y), (-DVec3::Z, DVec3::Z)] {
-            let curve = Curve::through(&line, 1e-3).unwrap();
+            let curve = curve(&line, 0.1);
             assert_eq!(curve.points().len(), 2);
             let middle = curve.framed(start, end).at(0.5);
             assert!(middle.front.distance(DVec3::X.cross(start)) < 1e-9, "{middle:?}");
+        }
+    }
+
+    #[test]
+    fn corners_are_rounded_and_arcs_are_not() {
+        let corner = curve(&[DVec3::X, DVec3::ZERO, DVec3::Y], 0.1);
+        assert!(least_bend(&corner.points()) > 0.14, "{}", least_bend(&corner.points()));
+        let arc: Vec<_> = (0..=16).map(|i| (i as f64 * 0.2).sin_cos()).map(|(y, x)| DVec3::new(x, y, 0.0)).collect();
+        for point in curve(&arc, 0.1).points() {
+            assert!((point.length() - 1.0).abs() < 1e-3, "{point}");
         }
     }
 }

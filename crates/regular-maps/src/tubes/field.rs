@@ -19,18 +19,22 @@ struct Rod {
     length: f64,
 }
 
-/// An edge with a ball around it.
+/// Rods of a piece of an edge, with a ball around them.
 #[derive(Clone, Debug)]
-struct Strand {
+struct Piece {
     rods: Vec<Rod>,
     centre: DVec3,
     radius: f64,
 }
 
+/// Rods in a piece: where many edges meet most pieces are far away.
+const PIECE: usize = 8;
+
 /// The contributions of all edges.
 #[derive(Clone, Debug)]
 pub(super) struct Field {
-    strands: Vec<Strand>,
+    /// By edge.
+    pieces: Vec<Vec<Piece>>,
     support: f64,
     level: f64,
 }
@@ -38,9 +42,9 @@ pub(super) struct Field {
 impl Field {
     /// # Input      `radius` of tubes; `softness`: support relative to it, above 1
     pub(super) fn new(curves: &[Curve], radius: f64, softness: f64) -> Self {
-        let strands = curves.iter().map(|curve| Strand::new(&curve.points())).collect();
+        let pieces = curves.iter().map(|curve| Piece::all(&curve.points())).collect();
         let level = (1.0 - softness.powi(-2)).powf(2.5);
-        Self { strands, support: radius * softness, level }
+        Self { pieces, support: radius * softness, level }
     }
 
     /// The value on the skin.
@@ -50,17 +54,17 @@ impl Field {
 
     /// What an edge contributes at a point: between 0 and about 1.
     pub(super) fn of_edge(&self, edge: usize, at: DVec3) -> f64 {
-        let strand = &self.strands[edge];
-        let reach = strand.radius + self.support;
-        if at.distance_squared(strand.centre) > reach * reach {
-            return 0.0;
-        }
-        let sum: f64 = strand.rods.iter().map(|rod| rod.value(at, self.support)).sum();
+        let sum: f64 = self.pieces[edge].iter().map(|piece| piece.value(at, self.support)).sum();
         sum * 15.0 / (16.0 * self.support)
     }
 }
 
-impl Strand {
+impl Piece {
+    fn all(points: &[DVec3]) -> Vec<Self> {
+        let last = points.len() - 1;
+        (0..last).step_by(PIECE).map(|from| Self::new(&points[from..=(from + PIECE).min(last)])).collect()
+    }
+
     fn new(points: &[DVec3]) -> Self {
         let rod = |p: &[DVec3]| {
             let (length, step) = (p[0].distance(p[1]), p[1] - p[0]);
@@ -69,6 +73,14 @@ impl Strand {
         let centre = points.iter().sum::<DVec3>() / points.len() as f64;
         let radius = points.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
         Self { rods: points.windows(2).map(rod).collect(), centre, radius }
+    }
+
+    fn value(&self, at: DVec3, support: f64) -> f64 {
+        let reach = self.radius + support;
+        if at.distance_squared(self.centre) > reach * reach {
+            return 0.0;
+        }
+        self.rods.iter().map(|rod| rod.value(at, support)).sum()
     }
 }
 
@@ -98,14 +110,15 @@ impl Rod {
 
 #[cfg(test)]
 mod tests {
+    use super::super::curve::along;
     use super::*;
 
     #[test]
     fn a_straight_line_has_the_radius() {
         let line = [DVec3::new(-5.0, 0.0, 0.0), DVec3::new(5.0, 0.0, 0.0)];
         let broken: Vec<_> = (0..=20).map(|i| DVec3::new(0.5 * i as f64 - 5.0, 0.0, 0.0)).collect();
-        for (line, softness) in [(&line[..], 1.4), (&broken, 1.6), (&broken, 2.0)] {
-            let field = Field::new(&[Curve::through(line, 1e-3).unwrap()], 0.7, softness);
+        for (line, softness) in [(line.to_vec(), 1.4), (broken.clone(), 1.6), (broken, 2.0)] {
+            let field = Field::new(&along(&[line], 0.7).unwrap(), 0.7, softness);
             let skin = field.of_edge(0, DVec3::new(0.3, 0.7 * 0.6, 0.7 * 0.8));
             assert!((skin - field.level()).abs() < 1e-12);
             assert_eq!(field.of_edge(0, DVec3::new(0.0, 0.7 * softness + 1e-9, 0.0)), 0.0);

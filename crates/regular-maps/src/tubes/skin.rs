@@ -1,223 +1,240 @@
-//! Points of the skin: where rays from a tube's axis leave the field.
+//! The skin of the tubes: where rays from centre lines leave the field.
 //!
-//! In: a map, its curves, a [`Field`]. Out: [`Skin`]: the point and normal at (u, v) of a quarter-tube.
-//! Holds: glued sides of quarter-tubes have the same rays; rays of one quarter-tube do not cross inside the tube. Not: that
-//! tubes keep clear of each other. Source: [Razafindrazaka2015] §9.4, Fig. 9.11.
-//!
-//! At the junction (u = 0) rays fan out in the plane between two tubes, from pole to pole; farther out they stand
-//! perpendicular on the axis. In between, over the arc length in which tubes part, directions are blended.
+//! In: a map, its skeleton, a radius. Out: [`Skin`]: the place of every point of a quarter-tube.
+//! Holds: only edges at a common junction blend; half-way along, a tube is its own edge's alone, so both halves meet
+//! smoothly. Rays of one quarter-tube fan out, so points keep their order while a junction ends before the middle of its
+//! tubes. Source: [Razafindrazaka2015] §9.4, Fig. 9.11, with a blending field for a body.
 
 use super::curve::{Curve, Station};
 use super::field::Field;
+use super::junction::{Rims, Spokes};
 use crate::ids::{FlagId, FlagMap};
 use crate::map::{Reflection, RegularMap};
-use crate::skeleton::{Skeleton, edge_flags, upright_flags};
+use crate::skeleton::{Skeleton, first_flags, starts_here, upright_flags};
 use glam::DVec3;
 use quadloom_mesh::Id;
-use std::f64::consts::{PI, TAU};
-/// Length of a junction relative to how far its skin reaches along the tube; below 1 rays would cross inside it.
-const JUNCTION_LENGTH: f64 = 1.6;
-/// The same, in radii, where it does not reach along the tube at all.
-const JUNCTION_MARGIN: f64 = 0.8;
-/// Junctions end here at the latest, as a share of half a tube.
+use std::f64::consts::PI;
+
+/// Where rays become perpendicular to a tube, relative to how far its junction reaches along it. At 1 rays from next to the
+/// vertex meet on the skin; larger crowds the middle of the tube.
+const JUNCTION_LENGTH: f64 = 1.5;
+
+/// The same, at least, where tubes are short.
+const SHORTEST_JUNCTION: f64 = 1.15;
+
+/// Junctions end here at the latest, as a part of the half tube.
 const LONGEST_JUNCTION: f64 = 0.9;
-/// Pieces along half a tube at most.
-const MOST_STEPS: usize = 48;
 
-/// How a quarter-tube lies in space.
-#[derive(Clone, Copy, Debug)]
-struct Quarter {
-    edge: usize,
-    /// Whether the edge's curve starts at the flag's vertex.
-    starts: bool,
-    /// +1 where the line v = 0 runs along the curve's front, −1 where it runs opposite.
-    front: f64,
-    vertex: usize,
-    pole: DVec3,
-    /// Between this tube and the next one on the face's side.
-    bisector: DVec3,
-    /// Over this arc length directions are blended.
-    parting: f64,
-}
+/// Where along a half tube the other edges of its junction begin to fade out.
+const FADE_FROM: f64 = 0.5;
 
-/// The skin of tubes.
-#[derive(Clone, Debug)]
-pub(super) struct Skin {
-    curves: Vec<Curve>,
+/// Least speed along a tube at its junction, relative to even.
+const LEAST_SLOPE: f64 = 0.25;
+
+/// Step in which a ray looks for the skin, in radii.
+const RAY_STEP: f64 = 0.35;
+
+/// Steps of a ray at most: beyond it the junction is larger than any that tubes of this radius can be parted at.
+const RAY_STEPS: usize = 400;
+
+/// The map, its curves and the field around them.
+pub(super) struct Skin<'a> {
+    map: &'a RegularMap,
+    skeleton: &'a Skeleton,
+    curves: &'a [Curve],
     field: Field,
     radius: f64,
-    quarters: FlagMap<Quarter>,
+    upright: FlagMap<bool>,
     /// Edges at each vertex, each once.
-    edges_at: Vec<Vec<usize>>,
-    /// Farthest that a ray can go.
-    reach: f64,
+    stars: Vec<Vec<usize>>,
+    spokes: Spokes,
 }
 
-impl Skin {
-    /// The skin at this radius; `None` where tubes are shorter than their junctions need.
+/// What a ray from a tube's centre line sees.
+struct Sight<'a> {
+    star: &'a [usize],
+    /// The edge that always counts in full; none at a junction.
+    own: Option<usize>,
+    /// Weight of the others.
+    others: f64,
+}
+
+impl<'a> Skin<'a> {
     pub(super) fn new(
-        map: &RegularMap,
-        skeleton: &Skeleton,
-        curves: &[Curve],
+        map: &'a RegularMap,
+        skeleton: &'a Skeleton,
+        curves: &'a [Curve],
         radius: f64,
         softness: f64,
-    ) -> Option<Self> {
-        let mut edges_at = vec![Vec::new(); map.vertex_count()];
-        map.flags().for_each(|f| edges_at[map.vertex(f).index()].push(map.edge(f).index()));
-        for list in &mut edges_at {
-            list.sort_unstable();
-            list.dedup();
+    ) -> Self {
+        Self {
+            map,
+            skeleton,
+            curves,
+            field: Field::new(curves, radius, softness),
+            radius,
+            upright: upright_flags(map),
+            stars: stars(map),
+            spokes: Spokes::new(map, skeleton, curves, radius),
         }
-        let field = Field::new(curves, radius, softness);
-        let quarters = quarters(map, skeleton, curves);
-        let reach = curves.iter().map(Curve::length).fold(4.0 * radius, f64::max);
-        let mut skin = Self { curves: curves.to_vec(), field, radius, quarters, edges_at, reach };
-        for flag in map.flags() {
-            let sides = [flag, map.reflect(flag, Reflection::R2)];
-            let extent = sides.iter().map(|&f| skin.extent(f)).fold(0.0, f64::max);
-            let parting = JUNCTION_LENGTH * extent + JUNCTION_MARGIN * radius;
-            skin.quarters[flag].parting = parting;
-            if parting > LONGEST_JUNCTION * 0.5 * curves[skin.quarters[flag].edge].length() {
-                return None;
+    }
+
+    pub(super) fn map(&self) -> &'a RegularMap {
+        self.map
+    }
+
+    pub(super) fn is_upright(&self, flag: FlagId) -> bool {
+        self.upright[flag]
+    }
+
+    pub(super) fn spokes(&self) -> &Spokes {
+        &self.spokes
+    }
+
+    /// The normal of a flag's vertex.
+    pub(super) fn normal(&self, flag: FlagId) -> DVec3 {
+        self.skeleton.normals[self.map.vertex(flag).index()]
+    }
+
+    /// How far the skin is from a flag's vertex in a direction.
+    pub(super) fn reach_at_junction(&self, flag: FlagId, direction: DVec3) -> f64 {
+        let vertex = self.map.vertex(flag).index();
+        let sight = Sight { star: &self.stars[vertex], own: None, others: 1.0 };
+        self.reach(&sight, self.skeleton.positions[vertex], direction)
+    }
+
+    /// The point at u along the tube, at the j-th of the rim's rows around it.
+    ///
+    /// # Input      `junction`: [`Self::junction_length`] of the flag
+    pub(super) fn point(&self, flag: FlagId, u: f64, j: usize, rims: &Rims, junction: f64) -> DVec3 {
+        let rim = rims.arc(flag);
+        let vertex = self.map.vertex(flag).index();
+        if u == 0.0 {
+            return self.skeleton.positions[vertex] + rim[j];
+        }
+        let edge = self.map.edge(flag).index();
+        let along = self.along(edge, u, junction);
+        let (station, side) = self.station(flag, along);
+        let (sin, cos) = (PI * j as f64 / (rim.len() - 1) as f64).sin_cos();
+        let ring = self.radius * (cos * station.front + sin * side);
+        let ray = rim[j].lerp(ring, (along / junction).min(1.0)).normalize_or(ring.normalize());
+        let others = 1.0 - smooth((u - FADE_FROM) / (1.0 - FADE_FROM));
+        let sight = Sight { star: &self.stars[vertex], own: Some(edge), others };
+        station.point + ray * self.reach(&sight, station.point, ray)
+    }
+
+    /// Arc length from a junction. However short, it gets its share of u: what is drawn on the surface is drawn evenly in u.
+    fn along(&self, edge: usize, u: f64, junction: f64) -> f64 {
+        let half = 0.5 * self.curves[edge].length();
+        let slope = (junction / half).clamp(LEAST_SLOPE, 1.0);
+        half * u * (slope + (1.0 - slope) * u)
+    }
+
+    /// Where along a flag's tube, from its vertex, rays are perpendicular to it: the same on both sides of the tube. None
+    /// where that is beyond the middle.
+    pub(super) fn junction_length(&self, flag: FlagId, rims: &Rims) -> Option<f64> {
+        let spoke = self.spokes.of(flag);
+        let both = [flag, self.map.reflect(flag, Reflection::R2)];
+        let extent = both.iter().flat_map(|&f| rims.arc(f)).map(|p| p.dot(spoke)).fold(0.0, f64::max);
+        let longest = 0.5 * LONGEST_JUNCTION * self.curves[self.map.edge(flag).index()].length();
+        (extent * SHORTEST_JUNCTION < longest).then(|| (extent * JUNCTION_LENGTH).max(self.radius).min(longest))
+    }
+
+    /// The tube at a distance from a flag's vertex: walked outwards, its front on the side of P1, and the direction to the
+    /// side of the flag's face.
+    fn station(&self, flag: FlagId, along: f64) -> (Station, DVec3) {
+        let curve = &self.curves[self.map.edge(flag).index()];
+        let start = starts_here(self.map, flag);
+        let at = curve.at(if start { along } else { curve.length() - along });
+        // Fronts are those of upright flags at the start; there a half tube's line v = 0 is the other half's line v = 1.
+        let from_start = if start { flag } else { self.map.reflect(flag, Reflection::R0) };
+        let upright = if self.upright[from_start] == start { 1.0 } else { -1.0 };
+        let tangent = if start { at.tangent } else { -at.tangent };
+        let front = upright * at.front;
+        (Station { point: at.point, tangent, front }, front.cross(tangent))
+    }
+
+    /// The length of a ray inside the skin.
+    fn reach(&self, sight: &Sight, from: DVec3, direction: DVec3) -> f64 {
+        let excess = |t: f64| self.excess(sight, from + t * direction);
+        let step = RAY_STEP * self.radius;
+        let mut near = 0.0;
+        for _ in 0..RAY_STEPS {
+            let far = near + step;
+            if excess(far) < 0.0 {
+                return root(excess, near, far, 1e-13 * self.radius);
             }
+            near = far;
         }
-        Some(skin)
+        near
     }
 
-    /// How far the skin over the junction's side of a quarter-tube reaches along the tube.
-    fn extent(&self, flag: FlagId) -> f64 {
-        let quarter = &self.quarters[flag];
-        let tangent = leaving(&self.curves, quarter);
-        let along = |v: f64| {
-            let (start, direction) = self.ray(flag, 0.0, v);
-            self.leave(quarter.vertex, start, direction) * direction.dot(tangent)
+    /// The field over its level on the skin.
+    fn excess(&self, sight: &Sight, at: DVec3) -> f64 {
+        let weight = |edge: usize| if sight.own == Some(edge) { 1.0 } else { sight.others };
+        let value = |&edge: &usize| match weight(edge) {
+            0.0 => 0.0,
+            w => w * self.field.of_edge(edge, at),
         };
-        [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0].map(along).into_iter().fold(0.0, f64::max)
+        sight.star.iter().map(value).sum::<f64>() - self.field.level()
     }
+}
 
-    /// Pieces along and around a quarter-tube that follow its bends.
-    pub(super) fn steps(&self) -> [usize; 2] {
-        let longest = self.curves.iter().map(Curve::length).fold(0.0, f64::max);
-        [((0.5 * longest / self.radius).ceil() as usize).clamp(8, MOST_STEPS), 10]
+/// The edges at each vertex, each once.
+fn stars(map: &RegularMap) -> Vec<Vec<usize>> {
+    let star = |first: FlagId| {
+        let turn = |&flag: &FlagId| Some(map.walk(flag, &[Reflection::R1, Reflection::R2]));
+        let flags = std::iter::successors(Some(first), turn).take(map.q());
+        let mut edges: Vec<_> = flags.map(|flag| map.edge(flag).index()).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    };
+    first_flags(map).into_iter().map(|(_, first)| star(first)).collect()
+}
+
+/// 0 until 0, 1 from 1, twice continuously differentiable.
+fn smooth(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * x * (10.0 + x * (6.0 * x - 15.0))
+}
+
+/// The zero between `low`, where a function is positive, and `high`, where it is negative: false position in the Illinois
+/// variant, made safe by bisection.
+fn root(f: impl Fn(f64) -> f64, low: f64, high: f64, width: f64) -> f64 {
+    let (mut a, mut b, mut fa, mut fb) = (low, high, f(low), f(high));
+    if fa <= 0.0 {
+        return a;
     }
-
-    pub(super) fn radius(&self) -> f64 {
-        self.radius
-    }
-
-    /// The point at (u, v) of a quarter-tube.
-    pub(super) fn point(&self, flag: FlagId, u: f64, v: f64) -> DVec3 {
-        let (start, direction) = self.ray(flag, u, v);
-        start + direction * self.leave(self.quarters[flag].vertex, start, direction)
-    }
-
-    /// The outward unit normal there: against the gradient of the field.
-    pub(super) fn normal(&self, flag: FlagId, u: f64, v: f64) -> DVec3 {
-        let (start, direction) = self.ray(flag, u, v);
-        let vertex = self.quarters[flag].vertex;
-        let at = start + direction * self.leave(vertex, start, direction);
-        let h = 1e-4 * self.radius;
-        let slope = |axis: DVec3| self.value(vertex, at - h * axis) - self.value(vertex, at + h * axis);
-        DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize_or(direction)
-    }
-
-    fn ray(&self, flag: FlagId, u: f64, v: f64) -> (DVec3, DVec3) {
-        let quarter = &self.quarters[flag];
-        let (station, arc) = self.station(quarter, u);
-        let front = quarter.front * station.front;
-        let side = front.cross(station.tangent);
-        let blend = smooth((arc / quarter.parting).min(1.0));
-        let pole = quarter.pole.lerp(front, blend).normalize_or(front);
-        let across = quarter.bisector.lerp(side, blend).normalize_or(side);
-        let (sin, cos) = (PI * v).sin_cos();
-        // Both ends of the fan are the poles exactly.
-        let direction = if v == 0.0 {
-            pole
-        } else if v == 1.0 {
-            -pole
+    let mut kept = 0;
+    for k in 0..100 {
+        let secant = b - fb * (b - a) / (fb - fa);
+        let x = if k % 4 == 3 || !(a < secant && secant < b) { 0.5 * (a + b) } else { secant };
+        let fx = f(x);
+        // The end that is kept twice pulls half as much.
+        if fx >= 0.0 {
+            fb *= if kept == 1 { 0.5 } else { 1.0 };
+            (a, fa, kept) = (x, fx, 1);
         } else {
-            cos * pole + sin * across
-        };
-        (station.point, direction.normalize_or(across))
-    }
-
-    /// The axis at u, with the tangent away from the flag's vertex, and the arc length from there.
-    fn station(&self, quarter: &Quarter, u: f64) -> (Station, f64) {
-        let curve = &self.curves[quarter.edge];
-        let half = 0.5 * curve.length();
-        // The junction, however short, gets its share of u.
-        let slope = (1.2 * quarter.parting / half).clamp(0.08, 1.0);
-        let arc = half * u * (slope + (1.0 - slope) * u);
-        let mut station = curve.at(if quarter.starts { arc } else { curve.length() - arc });
-        if !quarter.starts {
-            station.tangent = -station.tangent;
+            fa *= if kept == -1 { 0.5 } else { 1.0 };
+            (b, fb, kept) = (x, fx, -1);
         }
-        (station, arc)
-    }
-
-    fn value(&self, vertex: usize, at: DVec3) -> f64 {
-        self.edges_at[vertex].iter().map(|&e| self.field.of_edge(e, at)).sum()
-    }
-
-    /// Distance at which a ray from the axis first leaves the level: steps, then halving.
-    fn leave(&self, vertex: usize, start: DVec3, direction: DVec3) -> f64 {
-        let level = self.field.level();
-        let inside = |t: f64| self.value(vertex, start + t * direction) > level;
-        let step = 0.2 * self.radius;
-        let (mut low, mut high) = (0.0, step);
-        while inside(high) && high < self.reach {
-            (low, high) = (high, high + step);
-        }
-        for _ in 0..50 {
-            let middle = 0.5 * (low + high);
-            if inside(middle) { low = middle } else { high = middle }
-        }
-        0.5 * (low + high)
-    }
-}
-
-/// 0 at 0, 1 at 1, flat at both.
-fn smooth(t: f64) -> f64 {
-    t * t * (3.0 - 2.0 * t)
-}
-
-fn quarters(map: &RegularMap, skeleton: &Skeleton, curves: &[Curve]) -> FlagMap<Quarter> {
-    use Reflection::{R0, R2};
-    let upright = upright_flags(map);
-    let nothing =
-        Quarter { edge: 0, starts: true, front: 1.0, vertex: 0, pole: DVec3::Z, bisector: DVec3::X, parting: 1.0 };
-    let mut quarters = FlagMap::from_vec(vec![nothing; map.order()]);
-    for (edge, first) in edge_flags(map) {
-        // The line v = 0 of a flag goes on as v = 1 of its r₀-neighbour and is v = 1 of its r₂-neighbour.
-        let around = [(first, true, 1.0), (map.reflect(first, R0), false, -1.0), (map.reflect(first, R2), true, -1.0)];
-        let last = (map.walk(first, &[R0, R2]), false, 1.0);
-        for (flag, starts, front) in around.into_iter().chain([last]) {
-            let vertex = map.vertex(flag).index();
-            let pole = if upright[flag] { skeleton.normals[vertex] } else { -skeleton.normals[vertex] };
-            quarters[flag] = Quarter { edge: edge.index(), starts, front, vertex, pole, ..nothing };
+        if b - a < width || fx == 0.0 {
+            return x;
         }
     }
-    for flag in map.flags() {
-        quarters[flag].bisector = bisector(map, curves, &quarters, flag);
+    0.5 * (a + b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::root;
+
+    #[test]
+    fn zeros_of_flat_and_steep_functions() {
+        let near = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-9, "{found} {wanted}");
+        near(root(|x| 2.0 - x * x, 0.0, 3.0, 1e-12), 2f64.sqrt());
+        near(root(|x| (1.25 - x).powi(3), 0.0, 3.0, 1e-12), 1.25);
+        near(root(|x| (1.0 - x).tanh() + 0.25, 0.0, 3.0, 1e-12), 1.0 + 0.25f64.atanh());
     }
-    quarters
-}
-
-fn leaving(curves: &[Curve], quarter: &Quarter) -> DVec3 {
-    curves[quarter.edge].leaving()[usize::from(!quarter.starts)]
-}
-
-/// The direction midway between a tube and the next one on the face's side, as seen along the pole, and as high above the
-/// junction's plane as both are on average.
-fn bisector(map: &RegularMap, curves: &[Curve], quarters: &FlagMap<Quarter>, flag: FlagId) -> DVec3 {
-    let next = map.reflect(flag, Reflection::R1);
-    let pole = quarters[flag].pole;
-    let [a, b] = [flag, next].map(|f| leaving(curves, &quarters[f]));
-    let flat = |t: DVec3| (t - pole * pole.dot(t)).normalize_or(pole.any_orthonormal_vector());
-    let (x, y) = (flat(a), pole.cross(flat(a)));
-    // Counter-clockwise about the pole of the flag, which for an overturned flag is the back.
-    let angle = flat(b).dot(y).atan2(flat(b).dot(x)).rem_euclid(TAU);
-    let (sin, cos) = (0.5 * angle).sin_cos();
-    let height = 0.5 * (pole.dot(a) + pole.dot(b));
-    (cos * x + sin * y) * (1.0 - height * height).max(0.0).sqrt() + height * pole
 }
