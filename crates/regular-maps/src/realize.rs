@@ -10,7 +10,7 @@ use crate::map::RegularMap;
 use crate::matching::{MatchOptions, TubeMatch, find_matches};
 use crate::rotations::{Measured, measure};
 use crate::skeleton::{self, RelaxOptions, Relaxed, Skeleton, SkeletonError};
-use crate::tubes::{TubeError, TubeOptions, TubeSurface};
+use crate::tubes::{TubeError, TubeOptions, TubeSurface, build_without_intersections};
 use quadloom_mesh::{Cancelled, FaceId, Progress, self_intersections};
 use serde::Serialize;
 
@@ -40,7 +40,7 @@ pub struct RealizeOptions {
     pub relax: RelaxOptions,
     /// Tubes.
     pub tubes: TubeOptions,
-    /// Drawing; `height` counts in tube radii here, and `steps` are at least as many as the tubes' bends need.
+    /// Drawing; `height` counts in tube radii here, and `steps` are at least the cells of the tubes, or every other one of them.
     pub draw: DrawOptions,
     /// Radius of the tubes as a share of the largest that has room. Default 1.
     pub thickness: f64,
@@ -189,9 +189,8 @@ pub fn realize_on(
             let target = matched.target.to_string();
             return Err(RealizeError::Intersections { target, pairs: intersections.len() });
         }
-        // What meets is thinned until it does not.
-        let thinner = TubeOptions { radius: Some(SHRINK * tubes.surface.radius()), ..options.tubes.clone() };
-        tubes.surface = TubeSurface::build(&matched.target, &tubes.skeleton, &thinner).map_err(RealizeError::Tubes)?;
+        // Reliefs need more room than tubes: what meets is thinned until it does not.
+        tubes.surface = thinner(&matched.target, &tubes, SHRINK, options)?;
     }
     Err(RealizeError::NoMatch(source.to_string()))
 }
@@ -199,9 +198,19 @@ pub fn realize_on(
 /// Pairs of intersecting triangles that are counted.
 const MOST_PAIRS: usize = 1000;
 /// How often tubes are made thinner.
-const SHRINKS: usize = 8;
+const SHRINKS: usize = 6;
 /// How much.
 const SHRINK: f64 = 0.85;
+
+/// Cells of the surface that drawings follow, all of them up to this number, then every other one.
+const MOST_CELLS: usize = 100_000;
+
+/// Cells along and around a quarter-tube.
+fn cells(target: &RegularMap, surface: &TubeSurface, options: &RealizeOptions) -> [usize; 2] {
+    let [along, around] = surface.cells();
+    let halve = if along * around * target.order() > MOST_CELLS { 2 } else { 1 };
+    [(along / halve).max(options.draw.steps[0]), (around / halve).max(options.draw.steps[1])]
+}
 
 fn draw_on(
     source: &RegularMap,
@@ -210,8 +219,7 @@ fn draw_on(
     options: &RealizeOptions,
 ) -> Result<(Drawing, DrawnCounts), RealizeError> {
     let place = |flag, u, v| (surface.point(flag, u, v), surface.normal(flag, u, v));
-    let [along, around] = surface.steps();
-    let steps = [along.max(options.draw.steps[0]), around.max(options.draw.steps[1])];
+    let steps = cells(&matched.target, surface, options);
     let draw_options = DrawOptions { height: options.draw.height * surface.radius(), steps, ..options.draw };
     Ok(draw(source, matched, place, &draw_options)?)
 }
@@ -221,15 +229,50 @@ fn draw_on(
 /// # Errors     see [`RealizeError`]
 /// # Source     [Razafindrazaka2015] §9.2–9.4
 pub fn tubify(target: &RegularMap, options: &RealizeOptions, progress: &Progress) -> Result<Tubified, RealizeError> {
-    let (skeleton, kind) = skeleton_of(target, options, progress)?;
-    progress.report("tubes", 0.0);
-    let mut surface = TubeSurface::build(target, &skeleton, &options.tubes).map_err(RealizeError::Tubes)?;
-    if options.thickness < 1.0 {
-        let thinner = TubeOptions { radius: Some(options.thickness * surface.radius()), ..options.tubes.clone() };
-        surface = TubeSurface::build(target, &skeleton, &thinner).map_err(RealizeError::Tubes)?;
+    let mut first = None;
+    for slope in [1.0, FLATTER] {
+        let relax = RelaxOptions { slope: slope * options.relax.slope, ..options.relax.clone() };
+        let options = RealizeOptions { relax, ..options.clone() };
+        let (skeleton, kind) = skeleton_of(target, &options, progress)?;
+        progress.report("tubes", 0.0);
+        match surface_on(target, &skeleton, &options) {
+            Ok(surface) => {
+                let rotations = rotations(target, &surface);
+                return Ok(Tubified { skeleton, kind, surface, rotations });
+            }
+            // Another skeleton is found where edges are to leave their junctions less steeply.
+            Err(error @ TubeError::Intersects { .. }) if kind == SkeletonKind::Relaxed => first = first.or(Some(error)),
+            Err(error) => return Err(RealizeError::Tubes(error)),
+        }
     }
-    let rotations = rotations(target, &surface);
-    Ok(Tubified { skeleton, kind, surface, rotations })
+    Err(first.map_or_else(|| RealizeError::NoMatch(target.to_string()), RealizeError::Tubes))
+}
+
+/// Slope of stars where steeper ones have no tubes.
+const FLATTER: f64 = 0.3;
+
+fn surface_on(target: &RegularMap, skeleton: &Skeleton, options: &RealizeOptions) -> Result<TubeSurface, TubeError> {
+    let surface = if options.allow_intersections {
+        TubeSurface::build(target, skeleton, &options.tubes)?
+    } else {
+        build_without_intersections(target, skeleton, &options.tubes)?
+    };
+    if options.thickness >= 1.0 {
+        return Ok(surface);
+    }
+    let radius = Some(options.thickness * surface.radius());
+    TubeSurface::build(target, skeleton, &TubeOptions { radius, ..options.tubes.clone() })
+}
+
+fn thinner(
+    target: &RegularMap,
+    tubes: &Tubified,
+    by: f64,
+    options: &RealizeOptions,
+) -> Result<TubeSurface, RealizeError> {
+    let radius = Some(by * tubes.surface.radius());
+    let options = TubeOptions { radius, ..options.tubes.clone() };
+    TubeSurface::build(target, &tubes.skeleton, &options).map_err(RealizeError::Tubes)
 }
 
 fn rotations(target: &RegularMap, surface: &TubeSurface) -> Measured {

@@ -56,6 +56,8 @@ pub(super) const SIDES: [char; 4] = ['a', 'b', 'c', 'd'];
 
 /// Places closer than this are one, in the disk where straight lines are straight and which has radius 1.
 const SNAP: f64 = 1e-8;
+/// Sides of pieces are cut until none is longer than this part of a quarter-tube.
+const LONGEST: usize = 8;
 /// A point this close to a line is on it.
 const ON_LINE: f64 = 1e-10;
 
@@ -156,7 +158,7 @@ struct Piece {
 }
 
 impl LocalPicture {
-    /// Clips the tiling against the quadrilateral and cuts it into triangles no longer than 1/`steps` in u and v.
+    /// Clips the tiling against the quadrilateral and cuts it into triangles, each in one half of one of n × m cells.
     ///
     /// # Errors     [`MapError::NotRegular`] where pieces do not fit together, which would be a wrong match
     /// # Cost       (flags that meet the quadrilateral) × (pieces of each), and the triangles that come out
@@ -170,9 +172,8 @@ impl LocalPicture {
         // Lines of the tiling are curved in (u, v). Pieces whose sides are too long to follow them are cut smaller.
         let attempt = |factor: usize| {
             let mut picture = Self::outlined(source, plane, quad, strips);
-            picture.halve_sides(plane, steps.map(|n| (factor * n).max(1)));
-            picture.triangulate();
-            picture.halve_inside(steps.map(|n| n.max(1)));
+            picture.halve_sides(plane, steps.map(|n| factor * n.min(LONGEST)));
+            picture.cut_into_cells(steps);
             picture.check_area().map(|()| picture)
         };
         [1, 2, 4, 8].into_iter().map(attempt).find(Result::is_ok).unwrap_or_else(|| attempt(16))

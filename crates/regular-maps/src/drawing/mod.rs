@@ -7,6 +7,7 @@
 //! Source: [Razafindrazaka2015] §9.5: the tiling is clipped against the fundamental quadrilateral once and placed on every
 //! quarter-tube by its group element.
 
+mod cells;
 mod check;
 mod local;
 mod refine;
@@ -22,9 +23,11 @@ use crate::map::{Reflection, RegularMap};
 use crate::matching::TubeMatch;
 use crate::plane::Plane;
 use crate::skeleton::Skeleton;
-use glam::DVec3;
+use cells::Weights;
+use glam::{DVec2, DVec3};
 use local::LocalPicture;
 use quadloom_mesh::{FaceMap, HalfEdgeId, Id, MeshError, TriMesh, VertexId};
+use rayon::prelude::*;
 use strips::Strips;
 
 /// How a map is drawn.
@@ -36,9 +39,15 @@ pub struct DrawOptions {
     pub edges: EdgeStyle,
     /// Height of ridges and reliefs above the surface, units of the surface. Default 0.
     pub height: f64,
-    /// Steps along and around a quarter-tube at least: triangles are halved until none is longer. Default 8 and 8;
-    /// triangles grow with their product.
+    /// Cells along and around a quarter-tube: corners of cells lie on the surface, the two triangles of a cell are flat.
+    /// Default 8 and 8; triangles grow with their product.
     pub steps: [usize; 2],
+}
+
+impl DrawOptions {
+    fn cells(&self) -> [usize; 2] {
+        self.steps.map(|n| n.max(1))
+    }
 }
 
 impl Default for DrawOptions {
@@ -90,13 +99,13 @@ pub enum DrawError {
 pub fn draw(
     source: &RegularMap,
     found: &TubeMatch,
-    place: impl Fn(FlagId, f64, f64) -> (DVec3, DVec3),
+    place: impl Fn(FlagId, f64, f64) -> (DVec3, DVec3) + Sync,
     options: &DrawOptions,
 ) -> Result<(Drawing, DrawnCounts), DrawError> {
     let plane = Plane::of_type(source.p(), source.q());
     let strips = Strips::new(options.drawn, options.edges);
     // 1. Clip once.
-    let picture = LocalPicture::new(source, &plane, &found.quadrilateral, &strips, options.steps)?;
+    let picture = LocalPicture::new(source, &plane, &found.quadrilateral, &strips, options.cells())?;
     // 2. Glue the copies.
     let glue = Glue::new(&picture, &found.target)?;
     // 3. Place them.
@@ -148,12 +157,13 @@ impl Glue {
         found: &TubeMatch,
         picture: &LocalPicture,
         strips: &Strips,
-        place: impl Fn(FlagId, f64, f64) -> (DVec3, DVec3),
+        place: impl Fn(FlagId, f64, f64) -> (DVec3, DVec3) + Sync,
         options: &DrawOptions,
     ) -> Result<Drawing, DrawError> {
+        let sheet = Sheet::new(&found.target, options.cells(), place);
         let at = |&(flag, i): &(FlagId, u32)| {
             let point = picture.points[i as usize];
-            let (position, normal) = place(flag, point.uv.x, point.uv.y);
+            let (position, normal) = sheet.at(flag, point.uv);
             position + options.height * point.height * normal
         };
         let positions: Vec<DVec3> = self.origin.iter().map(at).collect();
@@ -177,6 +187,32 @@ impl Glue {
             is_edge: FaceMap::from_vec(is_edge),
             drawn: options.drawn,
         })
+    }
+}
+
+/// The surface as flat triangles between the nodes of a grid.
+struct Sheet {
+    cells: [usize; 2],
+    nodes: Vec<(DVec3, DVec3)>,
+}
+
+impl Sheet {
+    fn new(target: &RegularMap, cells: [usize; 2], place: impl Fn(FlagId, f64, f64) -> (DVec3, DVec3) + Sync) -> Self {
+        let [n, m] = cells;
+        let node = |k: usize| {
+            let (flag, at) = (FlagId::new(k / ((n + 1) * (m + 1))), k % ((n + 1) * (m + 1)));
+            place(flag, (at % (n + 1)) as f64 / n as f64, (at / (n + 1)) as f64 / m as f64)
+        };
+        Self { cells, nodes: (0..target.order() * (n + 1) * (m + 1)).into_par_iter().map(node).collect() }
+    }
+
+    /// Point and normal.
+    fn at(&self, flag: FlagId, uv: DVec2) -> (DVec3, DVec3) {
+        let [n, m] = self.cells;
+        let Weights { nodes, shares } = Weights::of(uv, self.cells);
+        let node = |[i, j]: [usize; 2]| self.nodes[(flag.index() * (m + 1) + j) * (n + 1) + i];
+        let mean = |of: fn((DVec3, DVec3)) -> DVec3| (0..3).map(|k| shares[k] * of(node(nodes[k]))).sum::<DVec3>();
+        (mean(|node| node.0), mean(|node| node.1).normalize_or(DVec3::Z))
     }
 }
 

@@ -1,10 +1,9 @@
-//! Makes the triangles of a quarter-tube's picture small enough to follow the surface.
+//! Makes the sides of a quarter-tube's picture short enough to follow the lines of the tiling.
 //!
-//! In: a [`LocalPicture`], how many steps a quarter-tube is to have. Out: the same with long sides halved, first those of
-//! pieces, then those of the triangles inside them.
+//! In: a [`LocalPicture`], how many steps a quarter-tube is to have. Out: the same with long sides of pieces halved.
 //! Holds: sides that are glued to each other are halved alike, so that all quarter-tubes still fit together.
 
-use super::local::{LocalPicture, LocalPoint, LocalTriangle};
+use super::local::{LocalPicture, LocalPoint};
 use crate::plane::Plane;
 use glam::{DVec2, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -41,24 +40,6 @@ impl LocalPicture {
                     outline.corners.push(i);
                     outline.corners.extend(middle.get(&key(i, j)));
                 }
-            }
-        }
-    }
-
-    /// Halves sides of triangles inside pieces that are longer than 1/`steps` in u or v; new vertices lie midway in (u, v).
-    pub fn halve_inside(&mut self, steps: [usize; 2]) {
-        for _ in 0..16 {
-            let sides = self.triangles.iter().flat_map(|t| sides_of(&t.corners));
-            let mut marked = self.long(sides, steps);
-            let borders = self.outlines.iter().flat_map(|o| sides_of(&o.corners));
-            borders.for_each(|(i, j)| _ = marked.remove(&key(i, j)));
-            if marked.is_empty() {
-                break;
-            }
-            let middle = self.add_middles(&marked, |_, a, b| (a.place, 0.5 * (a.uv + b.uv)));
-            for triangle in std::mem::take(&mut self.triangles) {
-                let [a, b, c] = triangle.corners;
-                self.divide(triangle, [(a, b), (b, c), (c, a)].map(|(i, j)| middle.get(&key(i, j)).copied()));
             }
         }
     }
@@ -100,42 +81,5 @@ impl LocalPicture {
                 }
             }
         }
-    }
-
-    /// Divides a triangle by the middles of one, two or three of its sides.
-    fn divide(&mut self, t: LocalTriangle, halves: [Option<u32>; 3]) {
-        let mut add = |corners| self.triangles.push(LocalTriangle { corners, ..t });
-        let turned = |k: usize| [0, 1, 2].map(|i| t.corners[(k + i) % 3]);
-        let middle = |k: usize| halves[k % 3];
-        match halves.iter().flatten().count() {
-            0 => add(t.corners),
-            1 => {
-                let k = (0..3).find(|&k| halves[k].is_some()).unwrap_or(0);
-                let ([a, b, c], m) = (turned(k), middle(k).unwrap_or(0));
-                add([a, m, c]);
-                add([m, b, c]);
-            }
-            2 => {
-                // The side that stays whole is c a; the quadrilateral beside the cut-off corner is divided by its shorter
-                // diagonal.
-                let k = ((0..3).find(|&k| halves[k].is_none()).unwrap_or(0) + 1) % 3;
-                let ([a, b, c], [m, n]) = (turned(k), [middle(k), middle(k + 1)].map(|m| m.unwrap_or(0)));
-                add([m, b, n]);
-                let first = self.length(a, n) <= self.length(m, c);
-                let rest = if first { [[a, m, n], [a, n, c]] } else { [[a, m, c], [m, n, c]] };
-                self.triangles.extend(rest.map(|corners| LocalTriangle { corners, ..t }));
-            }
-            _ => {
-                let [l, m, n] = halves.map(|m| m.unwrap_or(0));
-                let [a, b, c] = t.corners;
-                for corners in [[a, l, n], [l, b, m], [n, m, c], [l, m, n]] {
-                    add(corners);
-                }
-            }
-        }
-    }
-
-    fn length(&self, a: u32, b: u32) -> f64 {
-        self.points[a as usize].uv.distance(self.points[b as usize].uv)
     }
 }

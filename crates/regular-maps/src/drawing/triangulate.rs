@@ -8,22 +8,14 @@ use super::local::{LocalPicture, LocalTriangle, Outline};
 use glam::DVec2;
 
 impl LocalPicture {
-    /// Cuts all pieces into triangles.
-    ///
-    /// # Cost       cubic in the corners of a piece, of which there are some dozen
-    pub fn triangulate(&mut self) {
-        let mut triangles = Vec::new();
-        for outline in &self.outlines {
-            triangles.extend(self.ears(outline));
-        }
-        self.triangles = triangles;
-    }
-
     fn uv(&self, i: u32) -> DVec2 {
         self.points[i as usize].uv
     }
 
-    fn ears(&self, outline: &Outline) -> Vec<LocalTriangle> {
+    /// The triangles of an outline.
+    ///
+    /// # Cost       cubic in its corners, of which there are some dozen
+    pub fn ears(&self, outline: &Outline) -> Vec<LocalTriangle> {
         let mut left = outline.corners.clone();
         let mut triangles: Vec<[u32; 3]> = Vec::with_capacity(left.len());
         while left.len() > 3 {

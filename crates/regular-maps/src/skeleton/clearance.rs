@@ -120,17 +120,26 @@ impl<'a> Rope<'a> {
     }
 
     fn curvature_radius(&self) -> f64 {
-        self.points.windows(3).map(|p| circumradius(p[0], p[1], p[2])).fold(f64::INFINITY, f64::min)
+        self.points.windows(3).map(|p| bend_radius(p[0], p[1], p[2])).fold(f64::INFINITY, f64::min)
     }
 }
 
-fn circumradius(a: DVec3, b: DVec3, c: DVec3) -> f64 {
+/// Turns from this angle, radians, are hairpins: rounding, which cures sharper bends between even segments, takes away much
+/// of a rope there.
+const HAIRPIN: f64 = 1.8;
+
+/// Radius of the bend at the middle one of three points: of the circle through them, or of the largest that touches both
+/// segments within the shorter half, which a hairpin with one long side needs.
+fn bend_radius(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let (u, v) = (b - a, c - b);
     let area = u.cross(v).length();
     if area <= 1e-12 * u.length() * v.length() && u.dot(v) >= 0.0 {
         return f64::INFINITY;
     }
-    u.length() * v.length() * (u + v).length() / (2.0 * area)
+    let circle = u.length() * v.length() * (u + v).length() / (2.0 * area);
+    let turn = area.atan2(u.dot(v));
+    let touching = 0.5 * u.length().min(v.length()) / (0.5 * turn).tan();
+    if turn > HAIRPIN { circle.min(touching) } else { circle }
 }
 
 /// Bound that two edges set each other, as far as it is below `least`.
@@ -211,7 +220,7 @@ mod tests {
 
     #[test]
     fn circle_through_three_points() {
-        assert!((circumradius(DVec3::X, DVec3::Y, -DVec3::X) - 1.0).abs() < 1e-12);
-        assert_eq!(circumradius(DVec3::ZERO, DVec3::X, 2.0 * DVec3::X), f64::INFINITY);
+        assert!((bend_radius(DVec3::X, DVec3::Y, -DVec3::X) - 1.0).abs() < 1e-12);
+        assert_eq!(bend_radius(DVec3::ZERO, DVec3::X, 2.0 * DVec3::X), f64::INFINITY);
     }
 }

@@ -49,13 +49,16 @@ pub struct RelaxOptions {
     /// Clearance that a symmetric skeleton must have, as a fraction of the best of all. Default: 0.7. Smaller: more
     /// symmetry, thinner tubes.
     pub thick_enough: f64,
+    /// How steeply edges may leave the plane of their junction, from 0 (they lie in it) to 1 (as at the corners of the
+    /// regular solids). Default: 1. Where edges leave steeply, tubes part late.
+    pub slope: f64,
     /// Seed of all starts. Default: 1.
     pub seed: u64,
 }
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        Self { symmetry: Symmetry::Auto, starts: 6, symmetries: 24, steps: 900, points: 14, thick_enough: 0.7, seed: 1 }
+        Self { symmetry: Symmetry::Auto, starts: 6, symmetries: 24, steps: 900, points: 14, thick_enough: 0.7, slope: 1.0, seed: 1 }
     }
 }
 
@@ -254,7 +257,7 @@ impl Search<'_> {
             0 if imposed.elements.len() == 1 => starts::jemisphere(self.map, self.layout, &mut random),
             _ => starts::random(self.layout, &mut random),
         };
-        let mut ropes = Ropes::new(self.map, self.layout, imposed, x);
+        let mut ropes = Ropes::new(self.map, self.layout, imposed, self.options.slope, x);
         let mix = BEGINNINGS[start % BEGINNINGS.len()];
         for step in 0..self.options.steps {
             let time = step as f64 / self.options.steps as f64;
@@ -271,7 +274,7 @@ impl Search<'_> {
     }
 
     fn finish(&self, symmetry: usize, x: Vec<DVec3>, mix: &Mix) -> Result<Settled, Cancelled> {
-        let mut ropes = Ropes::new(self.map, self.layout, &self.candidates[symmetry], x);
+        let mut ropes = Ropes::new(self.map, self.layout, &self.candidates[symmetry], self.options.slope, x);
         for step in 0..self.options.steps {
             let time = 0.7 + 0.3 * step as f64 / self.options.steps as f64;
             ropes.advance(&schedule(mix, time));

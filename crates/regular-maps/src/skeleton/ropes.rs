@@ -32,6 +32,10 @@ fn steepest(valence: usize) -> f64 {
     }
 }
 
+/// How much stiffer ropes are at the tips of stars: spokes are long where many edges meet, and a rope that turns back at
+/// one leaves no room for a tube.
+const TIP: f64 = 3.0;
+
 /// Reach of repulsion in diameters; the volume looked at grows with its third power.
 const REACH: f64 = 2.0;
 
@@ -162,11 +166,15 @@ pub(super) struct Ropes<'a> {
     spoke: f64,
     /// Radius of stars.
     pub h: f64,
+    /// Largest sine of the slope of their spokes.
+    steepest: f64,
 }
 
 impl<'a> Ropes<'a> {
     /// Ropes at these places, brought into the symmetry.
-    pub fn new(map: &RegularMap, layout: &'a Layout, imposed: &Imposed, x: Vec<DVec3>) -> Self {
+    ///
+    /// # Input      `slope`: of stars at most, as a share of the largest
+    pub fn new(map: &RegularMap, layout: &'a Layout, imposed: &Imposed, slope: f64, x: Vec<DVec3>) -> Self {
         let spoke = (PI / layout.valence as f64).sin();
         let mut ropes = Self {
             layout,
@@ -177,6 +185,7 @@ impl<'a> Ropes<'a> {
             x,
             spoke,
             h: 0.55 / spoke,
+            steepest: slope * steepest(layout.valence),
         };
         ropes.settle();
         ropes
@@ -243,8 +252,7 @@ impl<'a> Ropes<'a> {
         }
         let [u, w] = nearest_frame(a, b, self.normals[vertex]);
         let normal = u.cross(w);
-        let steepest = steepest(tips.len());
-        let slope = (-sum.dot(normal) / (q * self.h)).clamp(-steepest, steepest);
+        let slope = (-sum.dot(normal) / (q * self.h)).clamp(-self.steepest, self.steepest);
         let flat = (1.0 - slope * slope).sqrt();
         let centre = self.x[vertex] + (sum + q * self.h * slope * normal) / (q + 1.0);
         for (k, &tip) in tips.iter().enumerate() {
@@ -284,7 +292,7 @@ impl<'a> Ropes<'a> {
         for (vertex, tip, next) in [(v, start, start + 1), (w, end, end - 1)] {
             let spoke = self.x[tip] - self.x[vertex as usize];
             let out = self.x[next] - self.x[tip];
-            let bend = forces.stiffness * (out - spoke * (out.length() / self.h));
+            let bend = TIP * forces.stiffness * (out - spoke * (out.length() / self.h));
             f[next] -= bend;
             f[tip] += 2.0 * bend;
         }

@@ -1,8 +1,8 @@
 //! Values at the grid points of all patches, in between.
 //!
 //! In: a value per vertex of a [`Grid`]. Out: the value at (u, v) of a flag's patch.
-//! Holds: along glued sides both patches give the same bits; within and across the sides b, c, d continuously
-//! differentiable. Source: Catmull-Rom interpolation.
+//! Holds: continuous; along glued sides both patches give the same bits; within and across the sides b, c, d, but for the
+//! cells at poles, continuously differentiable. Source: Catmull-Rom interpolation.
 
 use super::grid::Grid;
 use crate::ids::{FlagId, FlagMap};
@@ -65,20 +65,31 @@ fn row(
     weights: [f64; 4],
 ) -> DVec3 {
     let (around, along) = (grid.around() as isize, grid.along() as isize);
-    let (flag, j) = match j {
+    let (there, row) = match j {
         j if j < 0 => (beside[flag][Reflection::R2 as usize], j + around),
         j if j > around => (beside[flag][Reflection::R2 as usize], j - around),
         j => (flag, j),
     };
-    let value = |i: isize| values[grid.vertex(flag, i as usize, j as usize)];
+    let own = |j: isize| values[grid.vertex(flag, 0, j as usize)];
+    let value = |i: isize| match (i, j) {
+        // A junction's corner lines end at its poles: beyond them they are continued, since the neighbour's is another.
+        (0, j) if j < 0 => ahead([own(0), own(1), own(2)]),
+        (0, j) if j > around => ahead([own(around), own(around - 1), own(around - 2)]),
+        _ => values[grid.vertex(there, i as usize, row as usize)],
+    };
     let at = |i: isize| match i {
         // Across a junction's corner lines have no straight continuation.
-        -1 => 3.0 * (value(0) - value(1)) + value(2),
+        -1 => ahead([value(0), value(1), value(2)]),
         i if i > along => {
-            let there = beside[flag][Reflection::R0 as usize];
-            values[grid.vertex(there, (2 * along - i) as usize, (around - j) as usize)]
+            let there = beside[there][Reflection::R0 as usize];
+            values[grid.vertex(there, (2 * along - i) as usize, (around - row) as usize)]
         }
         i => value(i),
     };
     (0..4).map(|k| weights[k] * at(i + k as isize - 1)).sum()
+}
+
+/// The value before three others, on their parabola.
+fn ahead([a, b, c]: [DVec3; 3]) -> DVec3 {
+    3.0 * (a - b) + c
 }
