@@ -229,33 +229,68 @@ fn draw_on(
 /// # Errors     see [`RealizeError`]
 /// # Source     [Razafindrazaka2015] §9.2–9.4
 pub fn tubify(target: &RegularMap, options: &RealizeOptions, progress: &Progress) -> Result<Tubified, RealizeError> {
+    let torus = || skeleton::torus(target).filter(|_| options.skeleton == SkeletonKind::Auto);
+    // A flat torus loses some symmetry in space: a relaxed skeleton may have more of it.
+    if let Some(bent) = torus().filter(|_| target.edge_count() <= MOST_COMPARED) {
+        let bent = tubified(target, bent, SkeletonKind::Torus, options);
+        let relaxed = tubify_relaxed(target, SkeletonKind::Relaxed, options, progress);
+        return match (bent, relaxed) {
+            (_, Err(RealizeError::Cancelled(stop))) => Err(stop.into()),
+            (Ok(bent), Ok(relaxed)) if bent.rotations.elements.len() >= relaxed.rotations.elements.len() => Ok(bent),
+            (_, Ok(relaxed)) => Ok(relaxed),
+            (bent, _) => bent,
+        };
+    }
+    tubify_relaxed(target, options.skeleton, options, progress)
+}
+
+/// Edges of a torus at most for which both skeletons are made.
+const MOST_COMPARED: usize = 40;
+
+/// With a skeleton of this kind; where it is relaxed, with another one too if tubes meet.
+fn tubify_relaxed(
+    target: &RegularMap,
+    kind: SkeletonKind,
+    options: &RealizeOptions,
+    progress: &Progress,
+) -> Result<Tubified, RealizeError> {
     let mut first = None;
     for slope in [1.0, FLATTER] {
         let relax = RelaxOptions { slope: slope * options.relax.slope, ..options.relax.clone() };
-        let options = RealizeOptions { relax, ..options.clone() };
+        let options = RealizeOptions { skeleton: kind, relax, ..options.clone() };
         let (skeleton, kind) = skeleton_of(target, &options, progress)?;
         progress.report("tubes", 0.0);
-        match surface_on(target, &skeleton, &options) {
-            Ok(surface) => {
-                let rotations = rotations(target, &surface);
-                return Ok(Tubified { skeleton, kind, surface, rotations });
-            }
+        match tubified(target, skeleton, kind, &options) {
             // Another skeleton is found where edges are to leave their junctions less steeply.
-            Err(error @ TubeError::Intersects { .. }) if kind == SkeletonKind::Relaxed => first = first.or(Some(error)),
-            Err(error) => return Err(RealizeError::Tubes(error)),
+            Err(error @ RealizeError::Tubes(TubeError::Intersects { .. })) if kind == SkeletonKind::Relaxed => {
+                first = first.or(Some(error));
+            }
+            done => return done,
         }
     }
-    Err(first.map_or_else(|| RealizeError::NoMatch(target.to_string()), RealizeError::Tubes))
+    Err(first.unwrap_or_else(|| RealizeError::NoMatch(target.to_string())))
+}
+
+fn tubified(
+    target: &RegularMap,
+    skeleton: Skeleton,
+    kind: SkeletonKind,
+    options: &RealizeOptions,
+) -> Result<Tubified, RealizeError> {
+    let surface = surface_on(target, &skeleton, options).map_err(RealizeError::Tubes)?;
+    let rotations = rotations(target, &surface);
+    Ok(Tubified { skeleton, kind, surface, rotations })
 }
 
 /// Slope of stars where steeper ones have no tubes.
 const FLATTER: f64 = 0.3;
 
 fn surface_on(target: &RegularMap, skeleton: &Skeleton, options: &RealizeOptions) -> Result<TubeSurface, TubeError> {
-    let surface = if options.allow_intersections {
-        TubeSurface::build(target, skeleton, &options.tubes)?
-    } else {
-        build_without_intersections(target, skeleton, &options.tubes)?
+    let surface = match build_without_intersections(target, skeleton, &options.tubes) {
+        Err(TubeError::Intersects { .. }) if options.allow_intersections => {
+            TubeSurface::build(target, skeleton, &options.tubes)?
+        }
+        done => done?,
     };
     if options.thickness >= 1.0 {
         return Ok(surface);

@@ -58,7 +58,16 @@ pub struct RelaxOptions {
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        Self { symmetry: Symmetry::Auto, starts: 6, symmetries: 24, steps: 900, points: 14, thick_enough: 0.7, slope: 1.0, seed: 1 }
+        Self {
+            symmetry: Symmetry::Auto,
+            starts: 6,
+            symmetries: 24,
+            steps: 900,
+            points: 14,
+            thick_enough: 0.7,
+            slope: 1.0,
+            seed: 1,
+        }
     }
 }
 

@@ -109,9 +109,6 @@ const THINNER: f64 = 0.93;
 /// How often: down to about a hundredth of the first radius.
 const THINNINGS: usize = 64;
 
-/// Pieces along a quarter-tube that a drawing follows at most.
-const MOST_STEPS: usize = 48;
-
 /// Quads of the cage along a quarter-tube at most.
 const MOST_RINGS: usize = 24;
 
@@ -189,12 +186,6 @@ impl TubeSurface {
     /// Quads along and around each quarter-tube.
     pub fn cells(&self) -> [usize; 2] {
         [self.grid.along(), self.grid.around()]
-    }
-
-    /// Pieces along and around a quarter-tube that show its bends: what is drawn on it needs at least as many.
-    pub fn steps(&self) -> [usize; 2] {
-        let [along, around] = self.cells();
-        [(along / 2).clamp(1, MOST_STEPS), (around / 2).max(1)]
     }
 
     /// The point at (u, v) of a flag's quarter-tube: through the mesh's vertices, smooth between them.
