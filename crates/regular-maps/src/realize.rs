@@ -11,7 +11,8 @@ use crate::matching::{MatchOptions, TubeMatch, find_matches};
 use crate::rotations::{Measured, measure};
 use crate::skeleton::{self, RelaxOptions, Relaxed, Skeleton, SkeletonError};
 use crate::tubes::{TubeError, TubeOptions, TubeSurface, build_without_intersections};
-use quadloom_mesh::{Cancelled, FaceId, Progress, self_intersections};
+use glam::DVec3;
+use quadloom_mesh::{Cancelled, FaceId, FaceShape, Mesh, MeshError, Progress, self_intersections};
 use serde::Serialize;
 
 /// How a skeleton is found.
@@ -44,6 +45,9 @@ pub struct RealizeOptions {
     pub draw: DrawOptions,
     /// Radius of the tubes as a share of the largest that has room. Default 1.
     pub thickness: f64,
+    /// Largest extent of the surface; its vertices are then rounded to single precision, so that files of any format hold
+    /// the surface that was tested. Default 100, millimetres.
+    pub size: f64,
     /// Whether a surface that intersects itself is still a result. Default: no.
     pub allow_intersections: bool,
 }
@@ -56,6 +60,7 @@ impl Default for RealizeOptions {
             tubes: TubeOptions::default(),
             draw: DrawOptions::default(),
             thickness: 1.0,
+            size: 100.0,
             allow_intersections: false,
         }
     }
@@ -68,8 +73,10 @@ pub struct Realization {
     pub matched: TubeMatch,
     /// The surface.
     pub tubes: Tubified,
-    /// The map on it.
+    /// The map on it, of the asked size, the middle of its bounding box at the origin.
     pub drawing: Drawing,
+    /// Size of the drawing relative to the skeleton.
+    pub scale: f64,
     /// What was counted on the drawing.
     pub counts: DrawnCounts,
     /// Pairs of triangles of the drawing that meet where they should not.
@@ -115,6 +122,9 @@ pub enum RealizeError {
     /// No drawing.
     #[error(transparent)]
     Draw(#[from] DrawError),
+    /// A size that cannot be.
+    #[error("the surface cannot have this size: {0}")]
+    Size(#[from] MeshError),
     /// The surface intersects itself.
     #[error(
         "the tubes around {target} intersect themselves ({pairs} pairs of triangles or more) however thin they are made; \
@@ -179,11 +189,13 @@ pub fn realize_on(
     for left in (0..=SHRINKS).rev() {
         progress.check()?;
         progress.report("draw", 1.0 - left as f64 / SHRINKS as f64);
-        let (drawing, counts) = draw_on(source, &matched, &tubes.surface, options)?;
+        let (mut drawing, counts) = draw_on(source, &matched, &tubes.surface, options)?;
+        let (mesh, scale) = sized(&drawing.mesh, options.size)?;
+        drawing.mesh = mesh;
         let intersections = self_intersections(&drawing.mesh, MOST_PAIRS);
         if intersections.is_empty() || (left == 0 && options.allow_intersections) {
             tubes.rotations = rotations(&matched.target, &tubes.surface);
-            return Ok(Realization { matched, tubes, drawing, counts, intersections });
+            return Ok(Realization { matched, tubes, drawing, scale, counts, intersections });
         }
         if left == 0 {
             let target = matched.target.to_string();
@@ -193,6 +205,17 @@ pub fn realize_on(
         tubes.surface = thinner(&matched.target, &tubes, SHRINK, options)?;
     }
     Err(RealizeError::NoMatch(source.to_string()))
+}
+
+/// A mesh of some largest extent, the middle of its bounding box at the origin, rounded to single precision; and the factor.
+///
+/// # Errors     a size that is not finite
+pub fn sized<S: FaceShape>(mesh: &Mesh<S>, size: f64) -> Result<(Mesh<S>, f64), MeshError> {
+    let (low, high) = mesh.bounding_box();
+    let scale = size / (high - low).max_element().max(f64::MIN_POSITIVE);
+    let middle = 0.5 * (low + high);
+    let place = |&p: &DVec3| ((p - middle) * scale).as_vec3().as_dvec3();
+    Ok((mesh.with_positions(mesh.positions().values().iter().map(place).collect())?, scale))
 }
 
 /// Pairs of intersecting triangles that are counted.

@@ -69,8 +69,6 @@ pub struct Realized {
     pub realization: Realization,
     /// The map that is drawn: the source, or its dual. Faces have its numbers.
     pub shown: RegularMap,
-    /// Vertices of the drawing, millimetres, the middle of their bounding box at the origin.
-    pub positions: Vec<DVec3>,
     /// Face of the drawn map of each triangle.
     pub face: Vec<u32>,
     /// Colour class of each triangle.
@@ -87,6 +85,11 @@ pub struct Realized {
 pub const EDGE_COLOR: [u8; 3] = [0x22, 0x26, 0x2e];
 
 impl Realized {
+    /// Vertices, millimetres, the middle of their bounding box at the origin.
+    pub fn positions(&self) -> &[DVec3] {
+        self.realization.drawing.mesh.positions().values()
+    }
+
     /// The colour of a triangle.
     pub fn color(&self, f: FaceId) -> [u8; 3] {
         if self.realization.drawing.is_edge[f] {
@@ -109,20 +112,20 @@ pub fn realize_map(source: &NamedMap, request: &RealizeRequest, progress: &Progr
         return Err(MapError::NotOrientable(source.name.clone()).into());
     }
     progress.report("match", 0.0);
+    let options = RealizeOptions { size: request.size, ..request.options.clone() };
     let realization = match &request.on {
-        None => realize(&source.map, &request.options, progress).map_err(|e| named(e, source))?,
-        Some(target) => realize_on_named(source, target, request, progress)?,
+        None => realize(&source.map, &options, progress).map_err(|e| named(e, source))?,
+        Some(target) => realize_on_named(source, target, &options, progress)?,
     };
     let drawing = &realization.drawing;
     let shown = Shown::new(&source.map, drawing.drawn);
-    let (positions, scale) = scaled(drawing.mesh.positions().values(), request.size);
     let (class, palette, colouring) = colors::of_triangles(&shown, &realization, &request.colors);
-    let mut report = report::realized(source, &shown, &realization, scale);
+    let mut report = report::realized(source, &shown, &realization, realization.scale);
     report.colors = palette.len();
     report.size = request.size;
     report.seconds = start.elapsed().as_secs_f64();
     let face = drawing.flag.values().iter().map(|&g| shown.face(g).0).collect();
-    Ok(Realized { positions, face, class, palette, colouring, report, shown: shown.map, realization })
+    Ok(Realized { face, class, palette, colouring, report, shown: shown.map, realization })
 }
 
 /// The same error about a map that has a name.
@@ -137,12 +140,12 @@ fn named(error: RealizeError, source: &NamedMap) -> RealizeError {
 fn realize_on_named(
     source: &NamedMap,
     target: &str,
-    request: &RealizeRequest,
+    options: &RealizeOptions,
     progress: &Progress,
 ) -> Result<Realization, RemeshError> {
     let mut first = None;
     for matched in matches_on(source, target)? {
-        match realize_on(&source.map, matched, &request.options, progress) {
+        match realize_on(&source.map, matched, options, progress) {
             Err(RealizeError::Cancelled(stop)) => return Err(stop.into()),
             Err(error) => _ = first.get_or_insert(error),
             Ok(found) => return Ok(found),
@@ -176,16 +179,6 @@ fn matches_on(source: &NamedMap, target: &str) -> Result<Vec<TubeMatch>, RemeshE
     Ok(fitting)
 }
 
-/// Positions with their largest extent of this size, and the factor.
-fn scaled<'a>(positions: impl IntoIterator<Item = &'a DVec3, IntoIter: Clone>, size: f64) -> (Vec<DVec3>, f64) {
-    let positions = positions.into_iter();
-    let bounds = |pick: fn(DVec3, DVec3) -> DVec3| positions.clone().copied().reduce(pick).unwrap_or(DVec3::ZERO);
-    let (low, high) = (bounds(DVec3::min), bounds(DVec3::max));
-    let scale = size / (high - low).max_element().max(f64::MIN_POSITIVE);
-    let middle = 0.5 * (low + high);
-    (positions.map(|p| (*p - middle) * scale).collect(), scale)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -204,12 +197,5 @@ mod tests {
         assert!(error.to_string().contains("--allow-intersections"), "{error}");
         request.options.allow_intersections = true;
         assert!(on(&request).unwrap().report.surface.self_intersections > 0);
-    }
-
-    #[test]
-    fn surfaces_have_their_size_around_the_origin() {
-        let corners = [DVec3::new(1.0, 2.0, 3.0), DVec3::new(5.0, 3.0, 3.0)];
-        let (positions, scale) = scaled(&corners, 100.0);
-        assert_eq!((positions, scale), (vec![DVec3::new(-50.0, -12.5, 0.0), DVec3::new(50.0, 12.5, 0.0)], 25.0));
     }
 }

@@ -45,7 +45,7 @@ pub fn stage_tubes(files: &mut Batch, path: &Path, result: &Tubed) -> Result<Vec
 
 /// One closed surface.
 fn plain(result: &Realized) -> SurfaceOut {
-    SurfaceOut::new(result.positions.clone(), triangles(&result.realization.drawing.mesh))
+    SurfaceOut::new(result.positions().to_vec(), triangles(&result.realization.drawing.mesh))
 }
 
 /// The number of the map's face on each triangle, −1 on edges.
@@ -71,7 +71,7 @@ fn coloured(result: &Realized, channel: fn(u8) -> f32) -> SurfaceOut {
         let color = result.color(f);
         let corner = |v: quadloom_mesh::VertexId| {
             *number.entry((v, color)).or_insert_with(|| {
-                positions.push(result.positions[v.index()]);
+                positions.push(result.positions()[v.index()]);
                 colors.push(color.map(channel));
                 positions.len() as u32 - 1
             })
@@ -88,7 +88,7 @@ fn triangles(mesh: &TriMesh) -> Vec<Vec<u32>> {
 /// A group for each face of the map and one for its edges.
 fn write_obj(out: &mut dyn Write, result: &Realized) -> io::Result<()> {
     let mesh = &result.realization.drawing.mesh;
-    for p in &result.positions {
+    for p in result.positions() {
         writeln!(out, "v {} {} {}", p.x, p.y, p.z)?;
     }
     let group = |f: FaceId| if result.realization.drawing.is_edge[f] { u32::MAX } else { result.face[f.index()] };

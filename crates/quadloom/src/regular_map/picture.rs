@@ -17,7 +17,7 @@ pub fn map_scene(result: &Realized) -> Result<MapScene, RemeshError> {
     Ok(MapScene {
         title: result.report.title(),
         facts: result.report.facts(),
-        positions: result.positions.clone(),
+        positions: result.positions().to_vec(),
         triangles: drawing.mesh.to_faces(),
         face: result.face.clone(),
         is_edge: drawing.is_edge.values().to_vec(),

@@ -4,12 +4,10 @@
 //! was allowed; the report says. Source: [Razafindrazaka2015] §9.2–9.4.
 
 use super::report::{SurfaceReport, TubeReport, TubifyReport};
-use super::{NamedMap, scaled};
+use super::NamedMap;
 use crate::error::RemeshError;
-use quadloom_mesh::{DVec3, Progress};
-use quadloom_regular_maps::realize::{RealizeError, RealizeOptions, Tubified, tubify};
-use quadloom_regular_maps::tubes::build_without_intersections;
-use quadloom_regular_maps::{RegularMap, TubeError, TubeOptions};
+use quadloom_mesh::{DVec3, Progress, self_intersections};
+use quadloom_regular_maps::realize::{RealizeError, RealizeOptions, Tubified, sized, tubify};
 use std::time::Instant;
 
 /// A tube surface, scaled.
@@ -38,36 +36,20 @@ pub fn tubify_map(
     progress: &Progress,
 ) -> Result<Tubed, RemeshError> {
     let start = Instant::now();
-    let mut tubes = tubify(&source.map, options, progress)?;
+    let tubes = tubify(&source.map, options, progress)?;
     progress.check()?;
     progress.report("tubes", 0.5);
-    let pairs = thin_out(&source.map, &mut tubes, options)?;
+    let (mesh, scale) = sized(tubes.surface.mesh(), size).map_err(RealizeError::from)?;
+    let (halves, _) = sized(&tubes.surface.triangles().map_err(RealizeError::Tubes)?, size).map_err(RealizeError::from)?;
+    let pairs = self_intersections(&halves, MOST_PAIRS).len();
     if pairs > 0 && !options.allow_intersections {
         return Err(RealizeError::Intersections { target: source.name.clone(), pairs }.into());
     }
-    let mesh = tubes.surface.mesh();
-    let (positions, scale) = scaled(mesh.positions().values(), size);
     let report = TubifyReport {
         tubes: TubeReport::of(&source.map, &tubes, scale),
-        surface: SurfaceReport::of(mesh, pairs),
+        surface: SurfaceReport::of(&mesh, pairs),
         size,
         seconds: start.elapsed().as_secs_f64(),
     };
-    Ok(Tubed { tubes, positions, report })
-}
-
-/// Makes the tubes thinner until they keep clear of each other; where they never do, leaves them and says in how many
-/// pairs of triangles they meet.
-fn thin_out(map: &RegularMap, tubes: &mut Tubified, options: &RealizeOptions) -> Result<usize, RemeshError> {
-    let radius = Some(tubes.surface.radius());
-    match build_without_intersections(map, &tubes.skeleton, &TubeOptions { radius, ..options.tubes.clone() }) {
-        Ok(surface) => {
-            tubes.surface = surface;
-            Ok(0)
-        }
-        Err(TubeError::Intersects { .. }) => {
-            Ok(tubes.surface.self_intersections(MOST_PAIRS).map_err(RealizeError::Tubes)?.len())
-        }
-        Err(error) => Err(RealizeError::Tubes(error).into()),
-    }
+    Ok(Tubed { tubes, positions: mesh.positions().values().to_vec(), report })
 }

@@ -11,6 +11,7 @@ mod cells;
 mod check;
 mod local;
 mod refine;
+mod slivers;
 mod strips;
 mod triangulate;
 
@@ -160,43 +161,64 @@ impl Glue {
         place: impl Fn(FlagId, f64, f64) -> (DVec3, DVec3) + Sync,
         options: &DrawOptions,
     ) -> Result<Drawing, DrawError> {
-        let sheet = Sheet::new(&found.target, options.cells(), place);
-        let at = |&(flag, i): &(FlagId, u32)| {
-            let point = picture.points[i as usize];
-            let (position, normal) = sheet.at(flag, point.uv);
-            position + options.height * point.height * normal
-        };
-        let positions: Vec<DVec3> = self.origin.iter().map(at).collect();
-        let count = picture.triangles.len() * found.target.order();
-        let (mut faces, mut flags) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let (mut quarters, mut is_edge) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        for quarter in found.target.flags() {
+        // 1. Where vertices lie on the surface.
+        let flat = Flat::new(&found.target, options.cells(), place);
+        let at = |&(flag, i): &(FlagId, u32)| flat.at(flag, picture.points[i as usize].uv);
+        let (positions, normals): (Vec<DVec3>, Vec<DVec3>) = self.origin.iter().map(at).unzip();
+        // 2. Triangles: which flag, quarter-tube and strip each lies in.
+        let labels = |&quarter: &FlagId| {
             let image = source.automorphism(found.element[quarter]);
+            picture.triangles.iter().map(move |t| (image[t.flag.index()], quarter, t.strip)).collect::<Vec<_>>()
+        };
+        let quarters: Vec<FlagId> = found.target.flags().collect();
+        let labels: Vec<_> = quarters.iter().flat_map(labels).collect();
+        let corners = |quarter: FlagId| {
             let first = quarter.index() * self.points;
-            for t in &picture.triangles {
-                faces.push(t.corners.map(|i| self.vertex[first + i as usize]));
-                flags.push(image[t.flag.index()]);
-                quarters.push(quarter);
-                is_edge.push(strips.is_edge(t.strip));
-            }
-        }
+            picture.triangles.iter().map(move |t| t.corners.map(|i| self.vertex[first + i as usize]))
+        };
+        let faces: Vec<[u32; 3]> = quarters.iter().flat_map(|&quarter| corners(quarter)).collect();
+        // 3. Without slivers.
+        let regions: Vec<u32> = labels.iter().map(|&(flag, _, strip)| flag.0 * u32::from(u8::MAX) + u32::from(strip)).collect();
+        let left = slivers::Sheet::new(&positions, &normals, &faces, &regions).without_slivers();
+        // 4. The relief.
+        let raised = |(k, (_, i)): (usize, &(FlagId, u32))| {
+            positions[k] + options.height * picture.points[*i as usize].height * normals[k]
+        };
+        let raised: Vec<DVec3> = self.origin.iter().enumerate().map(raised).collect();
+        let (positions, faces) = used(&raised, left.iter().map(|(corners, _)| *corners));
+        let label = left.iter().map(|(_, first)| labels[*first as usize]);
         Ok(Drawing {
             mesh: TriMesh::new(positions, &faces)?,
-            flag: FaceMap::from_vec(flags),
-            quarter: FaceMap::from_vec(quarters),
-            is_edge: FaceMap::from_vec(is_edge),
+            flag: FaceMap::from_vec(label.clone().map(|(flag, ..)| flag).collect()),
+            quarter: FaceMap::from_vec(label.clone().map(|(_, quarter, _)| quarter).collect()),
+            is_edge: FaceMap::from_vec(label.map(|(.., strip)| strips.is_edge(strip)).collect()),
             drawn: options.drawn,
         })
     }
 }
 
+/// Vertices that triangles have, and triangles in their numbers.
+fn used(positions: &[DVec3], faces: impl Iterator<Item = [u32; 3]> + Clone) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let mut number = vec![None; positions.len()];
+    faces.clone().flatten().for_each(|v| number[v as usize] = Some(0));
+    let mut kept = Vec::with_capacity(positions.len());
+    for (new, &position) in number.iter_mut().zip(positions) {
+        if let Some(new) = new {
+            *new = kept.len() as u32;
+            kept.push(position);
+        }
+    }
+    let renamed = faces.map(|t| t.map(|v| number[v as usize].unwrap_or(0))).collect();
+    (kept, renamed)
+}
+
 /// The surface as flat triangles between the nodes of a grid.
-struct Sheet {
+struct Flat {
     cells: [usize; 2],
     nodes: Vec<(DVec3, DVec3)>,
 }
 
-impl Sheet {
+impl Flat {
     fn new(target: &RegularMap, cells: [usize; 2], place: impl Fn(FlagId, f64, f64) -> (DVec3, DVec3) + Sync) -> Self {
         let [n, m] = cells;
         let node = |k: usize| {
