@@ -12,7 +12,7 @@ use crate::rotations::{Measured, measure};
 use crate::skeleton::{self, RelaxOptions, Relaxed, Skeleton, SkeletonError};
 use crate::tubes::{TubeError, TubeOptions, TubeSurface, build_without_intersections};
 use glam::DVec3;
-use quadloom_mesh::{Cancelled, FaceId, FaceShape, Mesh, MeshError, Progress, self_intersections};
+use quadloom_mesh::{Cancelled, FaceId, FaceShape, Mesh, MeshError, Progress, VertexId, VertexMap, self_intersections};
 use serde::Serialize;
 
 /// How a skeleton is found.
@@ -77,6 +77,8 @@ pub struct Realization {
     pub drawing: Drawing,
     /// Size of the drawing relative to the skeleton.
     pub scale: f64,
+    /// Height of ridges and reliefs, in the drawing's units: lower than asked for where there was no room.
+    pub relief: f64,
     /// What was counted on the drawing.
     pub counts: DrawnCounts,
     /// Pairs of triangles of the drawing that meet where they should not.
@@ -186,25 +188,57 @@ pub fn realize_on(
     progress: &Progress,
 ) -> Result<Realization, RealizeError> {
     let mut tubes = tubify(&matched.target, options, progress)?;
-    for left in (0..=SHRINKS).rev() {
+    let mut relief = options.draw.height;
+    for left in (0..=TRIES).rev() {
         progress.check()?;
-        progress.report("draw", 1.0 - left as f64 / SHRINKS as f64);
-        let (mut drawing, counts) = draw_on(source, &matched, &tubes.surface, options)?;
-        let (mesh, scale) = sized(&drawing.mesh, options.size)?;
-        drawing.mesh = mesh;
-        let intersections = self_intersections(&drawing.mesh, MOST_PAIRS);
+        progress.report("draw", 1.0 - left as f64 / TRIES as f64);
+        let (mut drawing, counts) = draw_on(source, &matched, &tubes.surface, relief, options)?;
+        let (scale, intersections) = untangled(&mut drawing, options.size)?;
         if intersections.is_empty() || (left == 0 && options.allow_intersections) {
             tubes.rotations = rotations(&matched.target, &tubes.surface);
-            return Ok(Realization { matched, tubes, drawing, scale, counts, intersections });
+            let relief = relief * tubes.surface.radius() * scale;
+            return Ok(Realization { matched, tubes, drawing, scale, relief, counts, intersections });
         }
         if left == 0 {
             let target = matched.target.to_string();
             return Err(RealizeError::Intersections { target, pairs: intersections.len() });
         }
-        // Reliefs need more room than tubes: what meets is thinned until it does not.
-        tubes.surface = thinner(&matched.target, &tubes, SHRINK, options)?;
+        // Ridges need room: first they are made lower, then tubes thinner, until nothing meets.
+        if relief > LEAST_RELIEF * options.draw.height {
+            relief *= LOWER;
+        } else {
+            tubes.surface = thinner(&matched.target, &tubes, SHRINK, options)?;
+        }
     }
     Err(RealizeError::NoMatch(source.to_string()))
+}
+
+/// How often vertices of triangles that meet are moved to their flat cells, before all are.
+const FLATTENINGS: usize = 4;
+
+/// Brings a drawing to its size. Where thin triangles meet each other on the bends of the smooth surface, vertices move to
+/// the flat triangles of their cells, on which they do not.
+fn untangled(drawing: &mut Drawing, size: f64) -> Result<(f64, Vec<[FaceId; 2]>), MeshError> {
+    let smooth = drawing.mesh.clone();
+    let mut is_flat: VertexMap<bool> = smooth.vertices().map(|_| false).collect();
+    for round in 0..=FLATTENINGS {
+        let place = |v: VertexId| if is_flat[v] { drawing.flat[v] } else { smooth.position(v) };
+        let (mesh, scale) = sized(&smooth.with_positions(smooth.vertices().map(place).collect())?, size)?;
+        let pairs = self_intersections(&mesh, MOST_PAIRS);
+        drawing.mesh = mesh;
+        if pairs.is_empty() || round == FLATTENINGS {
+            return Ok((scale, pairs));
+        }
+        let all = round + 1 == FLATTENINGS || pairs.len() >= MOST_PAIRS;
+        if all {
+            is_flat = smooth.vertices().map(|_| true).collect();
+        }
+        for v in pairs.iter().flatten().flat_map(|&f| smooth.face_vertices(f)) {
+            is_flat[v] = true;
+            smooth.outgoing(v).for_each(|h| is_flat[smooth.target(h)] = true);
+        }
+    }
+    Ok((1.0, Vec::new()))
 }
 
 /// A mesh of some largest extent, the middle of its bounding box at the origin, rounded to single precision; and the factor.
@@ -220,10 +254,13 @@ pub fn sized<S: FaceShape>(mesh: &Mesh<S>, size: f64) -> Result<(Mesh<S>, f64), 
 
 /// Pairs of intersecting triangles that are counted.
 const MOST_PAIRS: usize = 1000;
-/// How often tubes are made thinner.
-const SHRINKS: usize = 6;
-/// How much.
+/// How often ridges are made lower or tubes thinner.
+const TRIES: usize = 7;
+/// How much tubes are made thinner.
 const SHRINK: f64 = 0.85;
+/// How much ridges are made lower, and down to which part of their height.
+const LOWER: f64 = 0.4;
+const LEAST_RELIEF: f64 = 0.05;
 
 /// Cells of the surface that drawings follow, all of them up to this number, then every other one.
 const MOST_CELLS: usize = 100_000;
@@ -239,11 +276,12 @@ fn draw_on(
     source: &RegularMap,
     matched: &TubeMatch,
     surface: &TubeSurface,
+    relief: f64,
     options: &RealizeOptions,
 ) -> Result<(Drawing, DrawnCounts), RealizeError> {
     let place = |flag, u, v| (surface.point(flag, u, v), surface.normal(flag, u, v));
     let steps = cells(&matched.target, surface, options);
-    let draw_options = DrawOptions { height: options.draw.height * surface.radius(), steps, ..options.draw };
+    let draw_options = DrawOptions { height: relief * surface.radius(), steps, ..options.draw };
     Ok(draw(source, matched, place, &draw_options)?)
 }
 

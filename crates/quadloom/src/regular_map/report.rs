@@ -238,6 +238,8 @@ pub struct RealizeReport {
     pub map: DrawnCounts,
     /// Faces of the drawn map, by orbits under the rotations in space: numbers of faces that rotations take to each other.
     pub face_orbits: Vec<Vec<usize>>,
+    /// Height of ridges and reliefs, millimetres: lower than asked for where there was no room.
+    pub relief: f64,
     /// Number of colours.
     pub colors: usize,
     /// Largest extent, millimetres.
@@ -257,6 +259,7 @@ pub(super) fn realized(source: &NamedMap, shown: &Shown, found: &Realization, sc
         surface: SurfaceReport::of(&found.drawing.mesh, found.intersections.len()),
         map: found.counts.clone(),
         face_orbits: shown.face_orbits(found),
+        relief: found.relief,
         colors: 0,
         size: 0.0,
         seconds: 0.0,

@@ -3,8 +3,8 @@
 //! In: a map. Out: [`Tubed`]: a closed surface of genus E − V + 1, millimetres. Holds: it does not meet itself unless that
 //! was allowed; the report says. Source: [Razafindrazaka2015] §9.2–9.4.
 
-use super::report::{SurfaceReport, TubeReport, TubifyReport};
 use super::NamedMap;
+use super::report::{SurfaceReport, TubeReport, TubifyReport};
 use crate::error::RemeshError;
 use quadloom_mesh::{DVec3, Progress, self_intersections};
 use quadloom_regular_maps::realize::{RealizeError, RealizeOptions, Tubified, sized, tubify};
@@ -40,7 +40,8 @@ pub fn tubify_map(
     progress.check()?;
     progress.report("tubes", 0.5);
     let (mesh, scale) = sized(tubes.surface.mesh(), size).map_err(RealizeError::from)?;
-    let (halves, _) = sized(&tubes.surface.triangles().map_err(RealizeError::Tubes)?, size).map_err(RealizeError::from)?;
+    let (halves, _) =
+        sized(&tubes.surface.triangles().map_err(RealizeError::Tubes)?, size).map_err(RealizeError::from)?;
     let pairs = self_intersections(&halves, MOST_PAIRS).len();
     if pairs > 0 && !options.allow_intersections {
         return Err(RealizeError::Intersections { target: source.name.clone(), pairs }.into());

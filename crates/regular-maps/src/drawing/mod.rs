@@ -27,7 +27,7 @@ use crate::skeleton::Skeleton;
 use cells::Weights;
 use glam::{DVec2, DVec3};
 use local::LocalPicture;
-use quadloom_mesh::{FaceMap, HalfEdgeId, Id, MeshError, TriMesh, VertexId};
+use quadloom_mesh::{FaceMap, HalfEdgeId, Id, MeshError, TriMesh, VertexId, VertexMap};
 use rayon::prelude::*;
 use strips::Strips;
 
@@ -60,8 +60,10 @@ impl Default for DrawOptions {
 /// A map drawn on a surface.
 #[derive(Clone, Debug)]
 pub struct Drawing {
-    /// The surface.
+    /// The surface: vertices lie on the smooth tubes.
     pub mesh: TriMesh,
+    /// Where vertices would lie on the flat triangles of cells: there, triangles do not overlap, however thin they are.
+    pub flat: VertexMap<DVec3>,
     /// The flag of the source that each triangle lies in.
     pub flag: FaceMap<FlagId>,
     /// The quarter-tube of the target that each triangle lies on.
@@ -161,10 +163,13 @@ impl Glue {
         place: impl Fn(FlagId, f64, f64) -> (DVec3, DVec3) + Sync,
         options: &DrawOptions,
     ) -> Result<Drawing, DrawError> {
-        // 1. Where vertices lie on the surface.
-        let flat = Flat::new(&found.target, options.cells(), place);
-        let at = |&(flag, i): &(FlagId, u32)| flat.at(flag, picture.points[i as usize].uv);
-        let (positions, normals): (Vec<DVec3>, Vec<DVec3>) = self.origin.iter().map(at).unzip();
+        // 1. Where vertices lie: in flat cells, and on the smooth surface.
+        let sheet = Flat::new(&found.target, options.cells(), &place);
+        let uv = |i: u32| picture.points[i as usize].uv;
+        let flat: Vec<(DVec3, DVec3)> = self.origin.par_iter().map(|&(flag, i)| sheet.at(flag, uv(i))).collect();
+        let smooth = |&(flag, i): &(FlagId, u32)| place(flag, uv(i).x, uv(i).y);
+        let smooth: Vec<(DVec3, DVec3)> = self.origin.par_iter().map(smooth).collect();
+        let (positions, normals): (Vec<DVec3>, Vec<DVec3>) = flat.iter().copied().unzip();
         // 2. Triangles: which flag, quarter-tube and strip each lies in.
         let labels = |&quarter: &FlagId| {
             let image = source.automorphism(found.element[quarter]);
@@ -178,17 +183,20 @@ impl Glue {
         };
         let faces: Vec<[u32; 3]> = quarters.iter().flat_map(|&quarter| corners(quarter)).collect();
         // 3. Without slivers.
-        let regions: Vec<u32> = labels.iter().map(|&(flag, _, strip)| flag.0 * u32::from(u8::MAX) + u32::from(strip)).collect();
+        let regions: Vec<u32> =
+            labels.iter().map(|&(flag, _, strip)| flag.0 * u32::from(u8::MAX) + u32::from(strip)).collect();
         let left = slivers::Sheet::new(&positions, &normals, &faces, &regions).without_slivers();
         // 4. The relief.
-        let raised = |(k, (_, i)): (usize, &(FlagId, u32))| {
-            positions[k] + options.height * picture.points[*i as usize].height * normals[k]
+        let height = |k: usize| options.height * picture.points[self.origin[k].1 as usize].height;
+        let raised = |places: &[(DVec3, DVec3)]| -> Vec<DVec3> {
+            places.iter().enumerate().map(|(k, (position, normal))| *position + height(k) * *normal).collect()
         };
-        let raised: Vec<DVec3> = self.origin.iter().enumerate().map(raised).collect();
-        let (positions, faces) = used(&raised, left.iter().map(|(corners, _)| *corners));
+        let (kept, faces) = used(positions.len(), left.iter().map(|(corners, _)| *corners));
+        let of = |all: Vec<DVec3>| -> Vec<DVec3> { kept.iter().map(|&v| all[v]).collect() };
         let label = left.iter().map(|(_, first)| labels[*first as usize]);
         Ok(Drawing {
-            mesh: TriMesh::new(positions, &faces)?,
+            mesh: TriMesh::new(of(raised(&smooth)), &faces)?,
+            flat: VertexMap::from_vec(of(raised(&flat))),
             flag: FaceMap::from_vec(label.clone().map(|(flag, ..)| flag).collect()),
             quarter: FaceMap::from_vec(label.clone().map(|(_, quarter, _)| quarter).collect()),
             is_edge: FaceMap::from_vec(label.map(|(.., strip)| strips.is_edge(strip)).collect()),
@@ -198,15 +206,13 @@ impl Glue {
 }
 
 /// Vertices that triangles have, and triangles in their numbers.
-fn used(positions: &[DVec3], faces: impl Iterator<Item = [u32; 3]> + Clone) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let mut number = vec![None; positions.len()];
+fn used(count: usize, faces: impl Iterator<Item = [u32; 3]> + Clone) -> (Vec<usize>, Vec<[u32; 3]>) {
+    let mut number = vec![None; count];
     faces.clone().flatten().for_each(|v| number[v as usize] = Some(0));
-    let mut kept = Vec::with_capacity(positions.len());
-    for (new, &position) in number.iter_mut().zip(positions) {
-        if let Some(new) = new {
-            *new = kept.len() as u32;
-            kept.push(position);
-        }
+    let mut kept = Vec::with_capacity(count);
+    for (v, new) in number.iter_mut().enumerate().filter(|(_, new)| new.is_some()) {
+        *new = Some(kept.len() as u32);
+        kept.push(v);
     }
     let renamed = faces.map(|t| t.map(|v| number[v as usize].unwrap_or(0))).collect();
     (kept, renamed)
@@ -219,7 +225,11 @@ struct Flat {
 }
 
 impl Flat {
-    fn new(target: &RegularMap, cells: [usize; 2], place: impl Fn(FlagId, f64, f64) -> (DVec3, DVec3) + Sync) -> Self {
+    fn new(
+        target: &RegularMap,
+        cells: [usize; 2],
+        place: &(impl Fn(FlagId, f64, f64) -> (DVec3, DVec3) + Sync),
+    ) -> Self {
         let [n, m] = cells;
         let node = |k: usize| {
             let (flag, at) = (FlagId::new(k / ((n + 1) * (m + 1))), k % ((n + 1) * (m + 1)));

@@ -91,9 +91,8 @@ impl<'a> Sheet<'a> {
 
     /// The triangle on the left of a side.
     fn left_of(&self, a: u32, b: u32) -> Option<u32> {
-        let has = |f: &&u32| {
-            self.faces[**f as usize].is_some_and(|(t, _)| (0..3).any(|k| t[k] == a && t[(k + 1) % 3] == b))
-        };
+        let has =
+            |f: &&u32| self.faces[**f as usize].is_some_and(|(t, _)| (0..3).any(|k| t[k] == a && t[(k + 1) % 3] == b));
         self.around[a as usize].iter().find(has).copied()
     }
 
