@@ -207,3 +207,17 @@ fn groups_of_rotations_are_faithful() {
     }
     assert!("D1".parse::<PointGroup>().is_err() && "X".parse::<PointGroup>().is_err());
 }
+
+#[test]
+fn without_slope_edges_leave_in_the_plane_of_their_junction() {
+    let map = map("R^5, S^3, (R*S*T)^5");
+    for (slope, steepest) in [(0.0, 1e-9), (0.3, 0.26)] {
+        let options = RelaxOptions { slope, symmetry: Symmetry::None, starts: 1, ..RelaxOptions::default() };
+        let skeleton = relax(&map, &options, &Progress::none()).unwrap().skeleton;
+        for (edge, flag) in edge_flags(&map) {
+            let (line, normal) = (&skeleton.edges[edge.index()], skeleton.normals[map.vertex(flag).index()]);
+            let leaving = (line[1] - line[0]).normalize();
+            assert!(leaving.dot(normal).abs() < steepest, "{slope} {edge}");
+        }
+    }
+}

@@ -163,3 +163,23 @@ fn what_cannot_be_built_is_refused() {
     broken.normals[0] = -broken.normals[0];
     assert!(matches!(TubeSurface::build(&map, &broken, &coarse()), Err(TubeError::Skeleton(_))));
 }
+
+/// Next to the poles of a junction with uneven edges, points on the corner lines were another curve than those beside them.
+#[test]
+fn surfaces_are_continuous_at_corners_of_junctions() {
+    let bouquet = quadloom_regular_maps::catalogue::find("R2.4").unwrap().map().unwrap();
+    for map in [map("R^3, S^3"), map("R^3, S^5, (R*S*T)^5"), bouquet] {
+        let skeleton = skeleton_of(&map);
+        let surface = build_without_intersections(&map, &skeleton, &coarse()).unwrap();
+        let near = 1e-7;
+        for flag in map.flags() {
+            for k in 0..=64 {
+                let v = f64::from(k) / 64.0;
+                for (u, beside) in [(0.0, near), (1.0, 1.0 - near)] {
+                    let jump = surface.point(flag, u, v).distance(surface.point(flag, beside, v));
+                    assert!(jump < 1e-5, "{map} {flag} {u} {v} {jump}");
+                }
+            }
+        }
+    }
+}

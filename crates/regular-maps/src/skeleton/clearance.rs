@@ -223,4 +223,11 @@ mod tests {
         assert!((bend_radius(DVec3::X, DVec3::Y, -DVec3::X) - 1.0).abs() < 1e-12);
         assert_eq!(bend_radius(DVec3::ZERO, DVec3::X, 2.0 * DVec3::X), f64::INFINITY);
     }
+
+    /// The circle through the points of a hairpin with one long side is large.
+    #[test]
+    fn hairpins_have_no_room() {
+        let back = DVec3::new(0.92, 0.05, 0.0);
+        assert!(bend_radius(DVec3::ZERO, DVec3::X, back) < 0.02);
+    }
 }
