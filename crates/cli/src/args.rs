@@ -1,5 +1,6 @@
 //! What can be typed.
 
+use crate::map_args::RegularMapArgs;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use quadloom::distance::{From, Lines};
 use quadloom::tile::Cost;
@@ -36,6 +37,10 @@ pub enum Verb {
     /// Cut a surface into a disk, a polygonal schema, quadrangles, pants or cylinders
     #[command(after_help = "Example: quadloom tile sample:genus2 --into quads -o tiles.obj --view tiles.html")]
     Tile(Box<TileArgs>),
+    /// List regular maps, draw them flat, and build them as surfaces in space
+    #[command(after_help = "Example: quadloom regular-map realize R3.1 -o klein.glb --view klein.html\n\n\
+        `quadloom regular-map VERB --help` says more about each of them.")]
+    RegularMap(RegularMapArgs),
     /// Say whether a file is a surface, or a valid quad mesh, and what cures its defects
     #[command(after_help = "Example: quadloom check bracket.obj --reference sample:bracket")]
     Check(CheckArgs),
@@ -445,7 +450,7 @@ fn parse_seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| "a whole number from 0 is needed".into())
 }
 
-fn parse_above_zero(text: &str) -> Result<f64, String> {
+pub(crate) fn parse_above_zero(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|&x: &f64| x > 0.0 && x.is_finite());
     number.ok_or_else(|| "a finite number above 0 is needed, with a decimal point".into())
 }
@@ -460,7 +465,7 @@ fn parse_epsilon(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "a number from 0 to below 1 is needed, as in 0.001 for 0.1 percent".into())
 }
 
-fn parse_part(text: &str) -> Result<f64, String> {
+pub(crate) fn parse_part(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|x: &f64| (0.0..=1.0).contains(x));
     number.ok_or_else(|| "a number from 0 to 1 is needed".into())
 }

@@ -8,6 +8,7 @@ mod args;
 mod commands;
 mod console;
 mod exit;
+mod map_args;
 mod watchdog;
 
 use args::{Cli, Verb};
@@ -22,6 +23,7 @@ fn main() -> ExitCode {
         Verb::Field(args) => commands::field::run(&args),
         Verb::Distance(args) => commands::distance::run(&args),
         Verb::Tile(args) => commands::tile::run(&args),
+        Verb::RegularMap(args) => commands::regular_map::run(&args),
         Verb::Check(args) => commands::check::run(&args),
         Verb::Stats(args) => commands::stats::run(&args),
         Verb::Convert(args) => commands::convert::run(&args),

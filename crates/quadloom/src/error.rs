@@ -49,6 +49,28 @@ pub enum RemeshError {
         /// Why.
         error: quadloom_tiling::TilingError,
     },
+    /// There is no regular map of this name, or it is that of several.
+    #[error(transparent)]
+    Catalogue(quadloom_regular_maps::catalogue::CatalogueError),
+    /// A word, presentation or group that is no regular map, or not one that can be drawn here.
+    #[error(transparent)]
+    Map(quadloom_regular_maps::MapError),
+    /// A regular map does not match a target that was asked for.
+    #[error(
+        "{map} cannot be drawn on the tubes of {target:?}; its targets are {known} (`regular-map match` says more about \
+         them)"
+    )]
+    NoTarget {
+        /// Name of the map.
+        map: String,
+        /// The target asked for.
+        target: String,
+        /// Targets that there are.
+        known: String,
+    },
+    /// A regular map has no surface in space.
+    #[error("{0}{cure}", cure = realize_cure(.0))]
+    Realize(quadloom_regular_maps::RealizeError),
     /// A piece of the input has no area.
     #[error(
         "{faces} faces form a piece without area (first: face {first}); delete them, or check the units and the \
@@ -85,6 +107,14 @@ pub enum RemeshError {
         value: f64,
         /// What it may be.
         allowed: &'static str,
+    },
+    /// An option has a value that cannot be meant, for a reason that takes more words.
+    #[error("--{option}: {why}")]
+    Argument {
+        /// Its name on the command line.
+        option: &'static str,
+        /// What is wrong, and what is right.
+        why: String,
     },
     /// More quads than can be made.
     #[error(
@@ -131,6 +161,16 @@ fn component_name(component: &Option<(usize, u32)>) -> String {
     component.map_or(String::new(), |(number, face)| format!("component {number} (first face: {face}): "))
 }
 
+/// What may help besides what the error says.
+fn realize_cure(error: &quadloom_regular_maps::RealizeError) -> &'static str {
+    match error {
+        quadloom_regular_maps::RealizeError::Intersections { .. } => {
+            " (--allow-intersections, --on, --skeleton, --symmetry)"
+        }
+        _ => "",
+    }
+}
+
 /// What kind of failure a [`RemeshError`] is; the command line has an exit code for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FailureKind {
@@ -166,6 +206,47 @@ impl From<quadloom_tiling::TilingError> for RemeshError {
     }
 }
 
+impl From<quadloom_regular_maps::MapError> for RemeshError {
+    fn from(error: quadloom_regular_maps::MapError) -> Self {
+        match error {
+            quadloom_regular_maps::MapError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Map(other),
+        }
+    }
+}
+
+impl From<quadloom_regular_maps::catalogue::CatalogueError> for RemeshError {
+    fn from(error: quadloom_regular_maps::catalogue::CatalogueError) -> Self {
+        match error {
+            quadloom_regular_maps::catalogue::CatalogueError::Map(error) => error.into(),
+            other => Self::Catalogue(other),
+        }
+    }
+}
+
+impl From<quadloom_regular_maps::RealizeError> for RemeshError {
+    fn from(error: quadloom_regular_maps::RealizeError) -> Self {
+        use quadloom_regular_maps::RealizeError as E;
+        use quadloom_regular_maps::skeleton::SkeletonError;
+        match error {
+            E::Cancelled(cancelled) | E::Skeleton(SkeletonError::Cancelled(cancelled)) => Self::Cancelled(cancelled),
+            other => Self::Realize(other),
+        }
+    }
+}
+
+/// What kind of failure an error of realising a map is.
+fn realize_kind(error: &quadloom_regular_maps::RealizeError) -> FailureKind {
+    use quadloom_regular_maps::RealizeError as E;
+    use quadloom_regular_maps::TubeError;
+    use quadloom_regular_maps::skeleton::SkeletonError as S;
+    match error {
+        E::NoMatch(_) | E::Skeleton(S::NoSymmetry { .. } | S::Valence(..)) => FailureKind::Rejected,
+        E::Tubes(TubeError::Option(..)) => FailureKind::Usage,
+        _ => FailureKind::NoResult,
+    }
+}
+
 /// What kind of failure an error of tiling is.
 fn tiling_kind(error: &quadloom_tiling::TilingError) -> FailureKind {
     use quadloom_tiling::TilingError as E;
@@ -188,7 +269,14 @@ impl RemeshError {
             | Self::TooMany { .. }
             | Self::TiedToItself(_)
             | Self::SameFile { .. }
+            | Self::Argument { .. }
+            | Self::Catalogue(_)
             | Self::NoSample(_) => FailureKind::Usage,
+            Self::Map(quadloom_regular_maps::MapError::NotOrientable(_)) | Self::NoTarget { .. } => {
+                FailureKind::Rejected
+            }
+            Self::Map(_) => FailureKind::Usage,
+            Self::Realize(error) => realize_kind(error),
             Self::Of { error, .. } => error.kind(),
             Self::File(quadloom_io::IoError::UnknownOutput { .. }) => FailureKind::Usage,
             // The file was read; it belongs to another input.

@@ -5,6 +5,7 @@ pub mod convert;
 pub mod distance;
 pub mod field;
 pub mod files;
+pub mod regular_map;
 pub mod remesh;
 pub mod samples;
 pub mod stats;
@@ -69,6 +70,8 @@ pub enum OutputKind {
     Lines,
     /// Tiles.
     Tiles,
+    /// A flat picture.
+    Picture,
     /// A page.
     Page,
     /// Text; any name will do.
@@ -84,6 +87,7 @@ impl OutputKind {
             Self::Field => matches!(path.extension().and_then(|e| e.to_str()), Some("rosy" | "rawfield")),
             Self::Distances => matches!(extension.as_deref(), Some("csv" | "ply" | "vtu" | "obj")),
             Self::Lines => matches!(extension.as_deref(), Some("obj" | "svg")),
+            Self::Picture => matches!(extension.as_deref(), Some("svg" | "png")),
             Self::Page => matches!(extension.as_deref(), Some("html" | "htm")),
             Self::Text => true,
         }
@@ -96,6 +100,7 @@ impl OutputKind {
             Self::Field => quadloom::output::FIELDS_WRITTEN,
             Self::Distances => quadloom::distance::EXPECTED,
             Self::Lines => ".obj or .svg",
+            Self::Picture => ".svg or .png",
             Self::Page => ".html",
             Self::Text => "any name",
         }
