@@ -190,6 +190,7 @@ pub struct SurfaceArgs {
 
 /// Arguments of `realize`.
 #[derive(Args)]
+#[command(allow_negative_numbers = true)]
 pub struct RealizeArgs {
     /// The map.
     #[command(flatten)]
@@ -232,6 +233,7 @@ pub struct RealizeArgs {
 
 /// Arguments of `tubify`.
 #[derive(Args)]
+#[command(allow_negative_numbers = true)]
 pub struct TubifyArgs {
     /// The map whose edges become tubes.
     #[command(flatten)]

@@ -171,7 +171,7 @@ fn matches_on(source: &NamedMap, target: &str) -> Result<Vec<TubeMatch>, RemeshE
     let fitting: Vec<TubeMatch> = matches.into_iter().filter(fits).collect();
     if fitting.is_empty() {
         let (map, target) = (source.name.clone(), target.into());
-        return Err(RemeshError::NoTarget { map, target, known: known.join(", ") });
+        return Err(RemeshError::NoTarget { map, target, known: known.join("; ") });
     }
     Ok(fitting)
 }
@@ -184,4 +184,31 @@ fn scaled<'a>(positions: impl IntoIterator<Item = &'a DVec3, IntoIter: Clone>, s
     let scale = size / (high - low).max_element().max(f64::MIN_POSITIVE);
     let middle = 0.5 * (low + high);
     (positions.map(|p| (*p - middle) * scale).collect(), scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use quadloom_regular_maps::{DrawOptions, EdgeStyle};
+
+    #[test]
+    fn a_surface_that_meets_itself_is_a_result_only_where_that_is_allowed() {
+        let klein = find_map(&MapSpec::Name("R3.1".into())).unwrap();
+        let mut request = RealizeRequest::default();
+        // Ridges so high that those of neighbouring tubes meet.
+        request.options.draw = DrawOptions { edges: EdgeStyle::Relief(0.3), height: 9.0, ..DrawOptions::default() };
+        let on = |request: &RealizeRequest| realize_map(&klein, request, &Progress::none());
+        let error = on(&request).unwrap_err();
+        assert_eq!(error.kind(), crate::FailureKind::NoResult);
+        assert!(error.to_string().contains("--allow-intersections"), "{error}");
+        request.options.allow_intersections = true;
+        assert!(on(&request).unwrap().report.surface.self_intersections > 0);
+    }
+
+    #[test]
+    fn surfaces_have_their_size_around_the_origin() {
+        let corners = [DVec3::new(1.0, 2.0, 3.0), DVec3::new(5.0, 3.0, 3.0)];
+        let (positions, scale) = scaled(&corners, 100.0);
+        assert_eq!((positions, scale), (vec![DVec3::new(-50.0, -12.5, 0.0), DVec3::new(50.0, 12.5, 0.0)], 25.0));
+    }
 }

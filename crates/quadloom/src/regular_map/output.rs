@@ -16,14 +16,16 @@ use std::path::Path;
 ///
 /// # Errors     every error of writing
 pub fn stage_realized(files: &mut Batch, path: &Path, result: &Realized) -> Result<Vec<WriteWarning>, RemeshError> {
-    match Format::from_path(path) {
+    let surface = match Format::from_path(path) {
         Some(Format::Obj) => {
             files.stage(path, |out| write_obj(out, result))?;
-            Ok(Vec::new())
+            return Ok(Vec::new());
         }
-        Some(Format::Glb | Format::Ply) => Ok(stage_surface(files, path, &coloured(result), &WriteOptions::default())?),
-        _ => Ok(stage_surface(files, path, &plain(result), &WriteOptions::default())?),
-    }
+        Some(Format::Glb | Format::Ply) => coloured(result),
+        Some(Format::Vtu) => SurfaceOut { face_attributes: vec![("face".into(), numbers(result))], ..plain(result) },
+        _ => plain(result),
+    };
+    Ok(stage_surface(files, path, &surface, &WriteOptions::default())?)
 }
 
 /// Adds tubes without a map on them: quads, or triangles where the format has no quads.
@@ -40,14 +42,16 @@ pub fn stage_tubes(files: &mut Batch, path: &Path, result: &Tubed) -> Result<Vec
     Ok(stage_surface(files, path, &SurfaceOut::new(result.positions.clone(), faces), &WriteOptions::default())?)
 }
 
-/// One closed surface with the number of the map's face on each triangle, −1 on edges.
+/// One closed surface.
 fn plain(result: &Realized) -> SurfaceOut {
-    let mesh = &result.realization.drawing.mesh;
-    let mut surface = SurfaceOut::new(result.positions.clone(), triangles(mesh));
-    let number =
-        |f: FaceId| if result.realization.drawing.is_edge[f] { -1.0 } else { f64::from(result.face[f.index()]) };
-    surface.face_attributes = vec![("face".into(), mesh.faces().map(number).collect())];
-    surface
+    SurfaceOut::new(result.positions.clone(), triangles(&result.realization.drawing.mesh))
+}
+
+/// The number of the map's face on each triangle, −1 on edges.
+fn numbers(result: &Realized) -> Vec<f64> {
+    let is_edge = result.realization.drawing.is_edge.values();
+    let number = |(&face, &edge): (&u32, &bool)| if edge { -1.0 } else { f64::from(face) };
+    result.face.iter().zip(is_edge).map(number).collect()
 }
 
 /// Vertices once for each colour that meets there.

@@ -5,7 +5,7 @@
 
 use crate::error::RemeshError;
 use quadloom_regular_maps::catalogue::{self, Entry};
-use quadloom_regular_maps::{CosetLimit, Presentation, RegularMap};
+use quadloom_regular_maps::{CosetLimit, MapError, Presentation, RegularMap};
 
 /// Which map is meant.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,10 +46,21 @@ pub fn find_map(spec: &MapSpec) -> Result<NamedMap, RemeshError> {
         }
         MapSpec::Presentation(text) => {
             let presentation = Presentation::parse(text)?;
-            let map = RegularMap::from_presentation(&presentation, CosetLimit::default())?;
+            let map = RegularMap::from_presentation(&presentation, CosetLimit::default()).map_err(too_small)?;
             let [name, identifier] = name_of(&map);
             Ok(NamedMap { name, identifier, map, presentation })
         }
+    }
+}
+
+/// What is no regular map has lost elements that a map needs.
+fn too_small(error: MapError) -> RemeshError {
+    match error {
+        MapError::NotRegular(_) => {
+            let why = format!("{error}; the relators leave too small a group: check their exponents");
+            RemeshError::Argument { option: "presentation", why }
+        }
+        other => other.into(),
     }
 }
 

@@ -1,37 +1,37 @@
 //! `quadloom regular-map`
 
+mod tables;
+
 use super::files::Files;
 use super::{OutputKind, done, stage_text, use_threads};
 use crate::args::RunArgs;
 use crate::console::Console;
 use crate::map_args::{
-    CentreArg, EdgesArg, FlatArgs, InfoArgs, ListArgs, MapArgs, MapVerb, MatchArgs, ModelArg, RealizeArgs,
-    RegularMapArgs, SearchArgs, SkeletonArg, SurfaceArgs, TubifyArgs,
+    CentreArg, EdgesArg, FlatArgs, MapArgs, MapVerb, ModelArg, RealizeArgs, RegularMapArgs, SkeletonArg, SurfaceArgs,
+    TubifyArgs,
 };
 use crate::{exit, watchdog};
-use quadloom::io::{Batch, Format};
-use quadloom::regular_map as maps;
-use quadloom::regular_map::{MapReport, MapSpec, RealizeRequest, SurfaceReport};
-use quadloom::regular_maps::catalogue::COMPLETE;
+use quadloom::RemeshError;
+use quadloom::io::{Batch, Format, WriteWarning};
+use quadloom::regular_map::{self as maps, MapSpec, RealizeRequest, SurfaceReport};
 use quadloom::regular_maps::realize::{RealizeOptions, SkeletonKind};
 use quadloom::regular_maps::tiling::{Centre, Model};
 use quadloom::regular_maps::{DrawOptions, Drawn, EdgeStyle};
 use quadloom::view::render_map_html;
-use quadloom::{Progress, RemeshError};
-use serde_json::json;
-use std::ops::RangeInclusive;
+use serde::Serialize;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Lists, finds, draws and builds regular maps.
 pub fn run(args: &RegularMapArgs) -> Result<ExitCode, RemeshError> {
     match &args.verb {
-        MapVerb::List(args) => list(args),
-        MapVerb::Info(args) => info(args),
+        MapVerb::List(args) => tables::list(args),
+        MapVerb::Info(args) => tables::info(args),
         MapVerb::Tile(args) => tile(args),
-        MapVerb::Match(args) => find(args),
+        MapVerb::Match(args) => tables::find(args),
         MapVerb::Realize(args) => realize(args),
         MapVerb::Tubify(args) => tubify(args),
-        MapVerb::Search(args) => search(args),
+        MapVerb::Search(args) => tables::search(args),
     }
 }
 
@@ -40,86 +40,6 @@ fn spec(args: &MapArgs) -> MapSpec {
         (_, Some(text)) => MapSpec::Presentation(text.clone()),
         (name, None) => MapSpec::Name(name.clone().unwrap_or_default()),
     }
-}
-
-fn list(args: &ListArgs) -> Result<ExitCode, RemeshError> {
-    let found = maps::list(args.genus.clone(), args.kind)?;
-    note_gaps(args.genus.as_ref());
-    if args.json {
-        println!("{:#}", json!(found));
-        return done();
-    }
-    print_maps(&found);
-    done()
-}
-
-fn print_maps(found: &[MapReport]) {
-    println!("{:<10} {:<18} {:>6} {:>6} {:>6} {:>6} {:>6}", "name", "identifier", "genus", "order", "V", "E", "F");
-    for map in found {
-        println!(
-            "{:<10} {:<18} {:>6} {:>6} {:>6} {:>6} {:>6}",
-            if map.name == map.identifier { "" } else { &map.name },
-            map.identifier,
-            map.genus,
-            map.order,
-            map.vertices,
-            map.edges,
-            map.faces
-        );
-    }
-    println!("{} maps", found.len());
-}
-
-/// Says where a list is not all there is.
-fn note_gaps(genera: Option<&RangeInclusive<usize>>) {
-    let Some(genera) = genera else { return };
-    if *genera.start() < 2 {
-        eprintln!("note: lists begin at genus 2; maps on the sphere and the torus go by names (cube, {{4,4}}_(3,0))");
-    }
-    if genera.end() > COMPLETE.end() {
-        let (start, end) = (COMPLETE.start(), COMPLETE.end());
-        eprintln!("note: the list is complete for genus {start} to {end}; `quadloom regular-map search` goes on");
-    }
-}
-
-fn info(args: &InfoArgs) -> Result<ExitCode, RemeshError> {
-    let source = maps::find_map(&spec(&args.source))?;
-    let facts = maps::info(&source);
-    if args.json {
-        println!("{:#}", json!(facts));
-        return done();
-    }
-    for (name, value) in facts.rows() {
-        println!("{name:>24}  {value}");
-    }
-    done()
-}
-
-fn find(args: &MatchArgs) -> Result<ExitCode, RemeshError> {
-    let source = maps::find_map(&spec(&args.source))?;
-    let found = maps::matches(&source)?;
-    if args.json {
-        println!("{:#}", json!(found));
-        return done();
-    }
-    println!("{:<22} {:<12} {:>6} {:>9} {:>7} {:>6}  pole", "target", "type", "index", "junctions", "valence", "tubes");
-    for m in &found {
-        println!(
-            "{:<22} {:<12} {:>6} {:>9} {:>7} {:>6}  {}{}",
-            m.target.name,
-            format!("{{{},{}}}_{}", m.target.p, m.target.q, m.target.petrie),
-            m.index,
-            m.junctions,
-            m.valence,
-            m.tubes,
-            match m.pole {
-                quadloom::regular_maps::Pole::Face => "face",
-                quadloom::regular_maps::Pole::Vertex => "vertex",
-            },
-            if m.twisted { ", half-twisted tubes" } else { "" }
-        );
-    }
-    done()
 }
 
 fn tile(args: &FlatArgs) -> Result<ExitCode, RemeshError> {
@@ -178,13 +98,8 @@ fn realize(args: &RealizeArgs) -> Result<ExitCode, RemeshError> {
     let result = maps::realize_map(&source, &request, &progress)?;
     let _writing = watchdog::while_writing();
     let mut files = Batch::new();
-    for warning in maps::stage_realized(&mut files, &args.surface.output, &result)? {
-        console.note(&format!("warning: {}: {warning}", args.surface.output.display()));
-    }
-    if let Some(path) = &args.report {
-        let report = serde_json::to_string_pretty(&json!(result.report)).unwrap_or_default();
-        stage_text(&mut files, path, &format!("{report}\n"))?;
-    }
+    warn(&console, &args.surface.output, &maps::stage_realized(&mut files, &args.surface.output, &result)?);
+    stage_report(&mut files, args.report.as_deref(), &result.report)?;
     if let Some(path) = &args.view {
         stage_text(&mut files, path, &render_map_html(&maps::map_scene(&result)?))?;
     }
@@ -202,6 +117,16 @@ fn realize(args: &RealizeArgs) -> Result<ExitCode, RemeshError> {
         report.seconds
     ));
     Ok(code_of(&report.surface))
+}
+
+fn warn(console: &Console, path: &Path, warnings: &[WriteWarning]) {
+    warnings.iter().for_each(|warning| console.note(&format!("warning: {}: {warning}", path.display())));
+}
+
+fn stage_report<T: Serialize>(files: &mut Batch, path: Option<&Path>, report: &T) -> Result<(), RemeshError> {
+    let Some(path) = path else { return Ok(()) };
+    let text = serde_json::to_string_pretty(report).unwrap_or_default();
+    stage_text(files, path, &format!("{text}\n"))
 }
 
 /// A surface that meets itself is written only where that is allowed, and is not what one would like.
@@ -246,13 +171,8 @@ fn tubify(args: &TubifyArgs) -> Result<ExitCode, RemeshError> {
     let result = maps::tubify_map(&source, &options(&args.surface, &args.run), args.surface.size, &progress)?;
     let _writing = watchdog::while_writing();
     let mut files = Batch::new();
-    for warning in maps::stage_tubes(&mut files, &args.surface.output, &result)? {
-        console.note(&format!("warning: {}: {warning}", args.surface.output.display()));
-    }
-    if let Some(path) = &args.report {
-        let report = serde_json::to_string_pretty(&json!(result.report)).unwrap_or_default();
-        stage_text(&mut files, path, &format!("{report}\n"))?;
-    }
+    warn(&console, &args.surface.output, &maps::stage_tubes(&mut files, &args.surface.output, &result)?);
+    stage_report(&mut files, args.report.as_deref(), &result.report)?;
     files.commit()?;
     console.note(&format!(
         "{}: tubes of {}, {} junctions, {} tubes, genus {}, rotations {}, {} self-intersections, {:.2} s",
@@ -266,40 +186,4 @@ fn tubify(args: &TubifyArgs) -> Result<ExitCode, RemeshError> {
         result.report.seconds
     ));
     Ok(code_of(&result.report.surface))
-}
-
-fn search(args: &SearchArgs) -> Result<ExitCode, RemeshError> {
-    let fewer = use_threads(args.run.threads);
-    let progress = watchdog::start(args.run.time_limit);
-    let (console, progress) = Console::new(&args.run, progress);
-    fewer.iter().for_each(|note| console.note(note));
-    if args.chiral {
-        return search_chiral(args, &progress);
-    }
-    let found = maps::search(args.genus.clone(), args.kind, &progress)?;
-    drop(console);
-    if args.json {
-        println!("{:#}", json!(found));
-        return done();
-    }
-    print_maps(&found);
-    done()
-}
-
-fn search_chiral(args: &SearchArgs, progress: &Progress) -> Result<ExitCode, RemeshError> {
-    let found = maps::search_chiral(args.genus.clone(), args.kind, progress)?;
-    if args.json {
-        println!("{:#}", json!(found));
-        return done();
-    }
-    println!("{:<10} {:>6} {:>9} {:>6} {:>6} {:>6}  group", "type", "genus", "rotations", "V", "E", "F");
-    for map in &found {
-        let kind = format!("{{{},{}}}", map.p, map.q);
-        println!(
-            "{kind:<10} {:>6} {:>9} {:>6} {:>6} {:>6}  {}",
-            map.genus, map.rotations, map.vertices, map.edges, map.faces, map.presentation
-        );
-    }
-    println!("{} maps", found.len());
-    done()
 }
