@@ -194,9 +194,10 @@ mod tests {
     #[test]
     fn a_surface_that_meets_itself_is_a_result_only_where_that_is_allowed() {
         let klein = find_map(&MapSpec::Name("R3.1".into())).unwrap();
-        let mut request = RealizeRequest::default();
+        let mut request = RealizeRequest { on: Some("tetrahedron".into()), ..RealizeRequest::default() };
         // Ridges so high that those of neighbouring tubes meet.
         request.options.draw = DrawOptions { edges: EdgeStyle::Relief(0.3), height: 9.0, ..DrawOptions::default() };
+        request.options.tubes.levels = 1;
         let on = |request: &RealizeRequest| realize_map(&klein, request, &Progress::none());
         let error = on(&request).unwrap_err();
         assert_eq!(error.kind(), crate::FailureKind::NoResult);

@@ -21,7 +21,8 @@ pub fn stage_realized(files: &mut Batch, path: &Path, result: &Realized) -> Resu
             files.stage(path, |out| write_obj(out, result))?;
             return Ok(Vec::new());
         }
-        Some(Format::Glb | Format::Ply) => coloured(result),
+        Some(Format::Glb) => coloured(result, linear),
+        Some(Format::Ply) => coloured(result, |c| f32::from(c) / 255.0),
         Some(Format::Vtu) => SurfaceOut { face_attributes: vec![("face".into(), numbers(result))], ..plain(result) },
         _ => plain(result),
     };
@@ -54,8 +55,15 @@ fn numbers(result: &Realized) -> Vec<f64> {
     result.face.iter().zip(is_edge).map(number).collect()
 }
 
+/// A channel of sRGB as an amount of light, which glTF's colours are.
+fn linear(channel: u8) -> f32 {
+    let c = f64::from(channel) / 255.0;
+    let light = if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
+    light as f32
+}
+
 /// Vertices once for each colour that meets there.
-fn coloured(result: &Realized) -> SurfaceOut {
+fn coloured(result: &Realized, channel: fn(u8) -> f32) -> SurfaceOut {
     let mesh = &result.realization.drawing.mesh;
     let mut number = HashMap::new();
     let (mut positions, mut colors, mut faces) = (Vec::new(), Vec::new(), Vec::with_capacity(mesh.face_count()));
@@ -64,7 +72,7 @@ fn coloured(result: &Realized) -> SurfaceOut {
         let corner = |v: quadloom_mesh::VertexId| {
             *number.entry((v, color)).or_insert_with(|| {
                 positions.push(result.positions[v.index()]);
-                colors.push(color.map(|c| f32::from(c) / 255.0));
+                colors.push(color.map(channel));
                 positions.len() as u32 - 1
             })
         };
@@ -99,4 +107,15 @@ fn write_obj(out: &mut dyn Write, result: &Realized) -> io::Result<()> {
         writeln!(out, "f {a} {b} {c}")?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_of_the_light_is_at_188() {
+        assert_eq!([linear(0), linear(255)], [0.0, 1.0]);
+        assert!((linear(188) - 0.5).abs() < 5e-3);
+    }
 }

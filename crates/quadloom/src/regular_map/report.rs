@@ -272,8 +272,8 @@ pub fn target_name(target: &RegularMap) -> String {
 impl RealizeReport {
     /// One line about the whole.
     pub fn title(&self) -> String {
-        let prime = if self.dual { " (dual drawn)" } else { "" };
-        format!("{}{prime} on the tubes of {}", self.source.name, self.surface_of.target.name)
+        let dual = if self.dual { "The dual of " } else { "" };
+        format!("{dual}{} on tubes around {}", self.source.name, self.surface_of.target.name)
     }
 
     /// Facts for people: name and value.
