@@ -20,7 +20,8 @@ checks      fmt        formatting is rustfmt's
             test       cargo test --workspace
             ci         all of them, in this order
 evaluations eval SUITE [--only A,B] [--jobs N] [--binary FILE] [--models DIR] [--timeout SECONDS]
-            suites: tri, irregular, features, distance, geodesic, speed, threads, nasty, fields, limits, cad, solver";
+            suites: tri, irregular, features, distance, geodesic, tiling, regular-maps, speed, threads, nasty, fields,
+            limits, cad, solver";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();

@@ -64,11 +64,7 @@ fn meet(mesh: &TriMesh, f: FaceId, g: FaceId) -> bool {
         (0..3).flat_map(|i| (0..3).map(move |j| (i, j))).filter(|&(i, j)| vf[i] == vg[j]).collect();
     match *shared.as_slice() {
         [] => triangles_meet(&a, &b),
-        [(i, j)] => {
-            // Beyond a common corner, what they share ends on the side opposite it of one of them.
-            let opposite = |t: &[DVec3; 3], k: usize| [t[(k + 1) % 3], t[(k + 2) % 3]];
-            segment_meets_triangle(opposite(&a, i), &b) || segment_meets_triangle(opposite(&b, j), &a)
-        }
+        [(i, j)] => corners_meet(from_corner(&a, i), from_corner(&b, j)),
         [(i, _), (k, _)] => {
             let third_of = |used: [usize; 2]| 3 - used[0] - used[1];
             let (c, d) = (a[third_of([i, k])], b[third_of([shared[0].1, shared[1].1])]);
@@ -78,23 +74,56 @@ fn meet(mesh: &TriMesh, f: FaceId, g: FaceId) -> bool {
     }
 }
 
-/// Whether two triangles on a common side lie in one plane on the same side of it.
+/// A triangle with one of its corners first.
+fn from_corner(t: &[DVec3; 3], k: usize) -> [DVec3; 3] {
+    [t[k], t[(k + 1) % 3], t[(k + 2) % 3]]
+}
+
+/// Whether two triangles share more than their first corner, which is the same point.
+fn corners_meet(a: [DVec3; 3], b: [DVec3; 3]) -> bool {
+    let (parts_a, parts_b) = (seen_from_first(a), seen_from_first(b));
+    // Beyond the common corner, what they share ends on the side opposite it of one of them.
+    let meet = |a: &[DVec3; 3], b: &[DVec3; 3]| {
+        segment_meets_triangle([a[1], a[2]], b) || segment_meets_triangle([b[1], b[2]], a)
+    };
+    parts_a.iter().any(|a| parts_b.iter().any(|b| meet(a, b)))
+}
+
+/// A triangle as triangles whose first corner is not on the side opposite it: itself, but for a segment with that corner
+/// inside or at both ends.
+fn seen_from_first([p, a, b]: [DVec3; 3]) -> Vec<[DVec3; 3]> {
+    if is_on_segment(p, [a, b]) {
+        [a, b].into_iter().filter(|&end| end != p).map(|end| [p, end, end]).collect()
+    } else {
+        vec![[p, a, b]]
+    }
+}
+
+fn is_on_segment(p: DVec3, [a, b]: [DVec3; 2]) -> bool {
+    AXES.iter().all(|&axis| sign2(axis, a, b, p) == 0 && ranges_meet(axis, [a, b], [p, p]))
+}
+
+/// Whether two triangles on a common side share a point beside it.
 fn folded([p, q]: [DVec3; 2], c: DVec3, d: DVec3) -> bool {
+    if p == q {
+        return corners_meet([p, c, c], [p, d, d]);
+    }
     if sign3(p, q, c, d) != 0 {
         return false;
     }
     let sides = AXES.map(|axis| (sign2(axis, p, q, c), sign2(axis, p, q, d)));
-    // A side without length, or a corner on the line of the common side, leaves one of them without area.
-    let flat = |which: fn(&(i8, i8)) -> i8| sides.iter().all(|s| which(s) == 0);
-    if flat(|s| s.0) || flat(|s| s.1) {
-        return p == q || overlap_on_line([p, q], c) || overlap_on_line([p, q], d);
+    let is_segment = |which: fn(&(i8, i8)) -> i8| sides.iter().all(|s| which(s) == 0);
+    match (is_segment(|s| s.0), is_segment(|s| s.1)) {
+        (false, false) => sides.iter().any(|s| s.0 * s.1 > 0),
+        // All on one line: both beyond the same end.
+        (true, true) => [[p, q], [q, p]].into_iter().any(|side| is_beyond(c, side) && is_beyond(d, side)),
+        _ => false,
     }
-    sides.iter().any(|s| s.0 * s.1 > 0)
 }
 
-/// Whether a point on the line of a segment lies on the segment.
-fn overlap_on_line([p, q]: [DVec3; 2], c: DVec3) -> bool {
-    AXES.iter().all(|&axis| sign2(axis, p, q, c) == 0) && segments_meet([p, q], [c, c])
+/// Whether a point on the line of a segment lies beyond its second end.
+fn is_beyond(x: DVec3, [from, to]: [DVec3; 2]) -> bool {
+    AXES.iter().any(|&k| (from[k] < to[k] && to[k] < x[k]) || (from[k] > to[k] && to[k] > x[k]))
 }
 
 fn triangles_meet(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {

@@ -5,6 +5,7 @@
 //! them; the meshes themselves stay in the target folder. With `--only` nothing is written to `docs`.
 
 mod geodesic;
+mod regular_maps;
 mod runner;
 mod suites;
 mod table;

@@ -230,7 +230,23 @@ pub fn python(args: &[&std::ffi::OsStr]) -> Value {
     }
 }
 
-fn read_json(path: &Path) -> Value {
+/// What an example of a crate prints.
+pub fn example(package: &str, name: &str, args: &[&str]) -> Result<String, String> {
+    let cargo = std::env::var_os("CARGO").unwrap_or("cargo".into());
+    let output = Command::new(cargo)
+        .args(["run", "--release", "--quiet", "--package", package, "--example", name, "--"])
+        .args(args)
+        .current_dir(root())
+        .output()
+        .map_err(|e| e.to_string())?;
+    if !output.status.success() {
+        return Err(format!("example {name}: {}", String::from_utf8_lossy(&output.stderr)));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// The JSON of a file; null where there is none.
+pub fn read_json(path: &Path) -> Value {
     std::fs::read(path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or(Value::Null)
 }
 

@@ -18,6 +18,7 @@ pub fn run(settings: &Settings) -> Result<Evaluation, String> {
         "distance" => distance(settings),
         "geodesic" => super::geodesic::run(settings),
         "tiling" => super::tiling::run(settings),
+        "regular-maps" => super::regular_maps::run(settings),
         "speed" => speed(settings),
         "threads" => threads(settings),
         "nasty" => nasty(settings),

@@ -2,6 +2,7 @@
 
 use super::runner::Run;
 use serde_json::Value;
+use std::fmt::Write as _;
 
 /// What an evaluation hands back.
 pub struct Evaluation {
@@ -11,6 +12,41 @@ pub struct Evaluation {
     pub runs: Vec<Value>,
     /// Promises that were broken: the tables are written, and the evaluation fails.
     pub broken: Vec<String>,
+}
+
+/// A document in the making: a table per question, aims met or missed.
+#[derive(Default)]
+pub struct Sheet {
+    /// The tables.
+    pub text: String,
+    /// Everything measured.
+    pub runs: Vec<Value>,
+    /// Promises that were broken.
+    pub broken: Vec<String>,
+    aims: (usize, usize),
+}
+
+impl Sheet {
+    /// A cell with an aim: bold where it is missed.
+    pub fn aim(&mut self, text: impl Into<String>, is_met: bool) -> String {
+        let text = text.into();
+        self.aims.1 += 1;
+        self.aims.0 += usize::from(is_met);
+        if is_met { text } else { format!("**{text}**") }
+    }
+
+    /// Adds a table under a title.
+    pub fn section(&mut self, title: &str, text: &str, head: &[&str], rows: &[Vec<String>]) {
+        let _ = write!(self.text, "\n## {title}\n\n{text}\n\n{}", grid(head, rows));
+    }
+
+    /// The document: title and `intro`, how many aims are met, what is broken, `outro`, the tables.
+    pub fn evaluation(self, title: &str, intro: &str, outro: &str) -> Evaluation {
+        let (met, all) = self.aims;
+        let broken: String = self.broken.iter().map(|why| format!("- failed: {why}\n")).collect();
+        let head = format!("# {title}\n\n{intro} Aims met: {met} of {all}; missed ones are bold. {outro}\n{broken}");
+        Evaluation { markdown: head + &self.text, runs: self.runs, broken: self.broken }
+    }
 }
 
 /// A column: its heading, and the cell of a run.
@@ -40,6 +76,11 @@ pub fn number(value: Option<f64>, digits: usize) -> String {
 /// A whole number, or a dash.
 pub fn count(value: &Value) -> String {
     value.as_i64().map_or_else(|| "–".into(), |v| v.to_string())
+}
+
+/// A string as it is, anything else as JSON.
+pub fn text_of(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), String::from)
 }
 
 /// The columns that every table starts with.

@@ -6,7 +6,7 @@
 
 use super::Settings;
 use super::runner::python;
-use super::table::{Evaluation, grid, number};
+use super::table::{Evaluation, Sheet, number, text_of};
 use crate::shell::root;
 use serde_json::{Value, json};
 use std::ffi::OsStr;
@@ -45,10 +45,7 @@ const EXACT_LIMITS: [(u64, u64, f64); 3] = [(1, 49152, 5.0), (2, 53246, 10.0), (
 /// What the document is made of.
 struct Bench<'a> {
     settings: &'a Settings,
-    text: String,
-    runs: Vec<Value>,
-    broken: Vec<String>,
-    aims: (usize, usize),
+    sheet: Sheet,
 }
 
 /// One run of the command and what the judge says.
@@ -61,7 +58,7 @@ struct Ran {
 /// Makes all tables.
 pub fn run(settings: &Settings) -> Result<Evaluation, String> {
     std::fs::create_dir_all(&settings.work).map_err(|e| format!("{}: {e}", settings.work.display()))?;
-    let mut bench = Bench { settings, text: String::new(), runs: Vec::new(), broken: Vec::new(), aims: (0, 0) };
+    let mut bench = Bench { settings, sheet: Sheet::default() };
     example("table", &["write", &settings.work.to_string_lossy()])?;
     bench.closed();
     bench.bordered();
@@ -72,36 +69,17 @@ pub fn run(settings: &Settings) -> Result<Evaluation, String> {
     bench.pants();
     bench.maps()?;
     bench.threads()?;
-    let (met, all) = bench.aims;
-    let broken: String = bench.broken.iter().map(|why| format!("- failed: {why}\n")).collect();
-    let head = format!(
-        "# Tiles\n\n`quadloom tile`, one run at a time. Aims met: {met} of {all}; missed ones are bold. All files were glued \
-         again by `xtask/scripts/reglue.py`.\n{broken}"
-    );
-    Ok(Evaluation { markdown: head + &bench.text, runs: bench.runs, broken: bench.broken })
+    let outro = "All files were glued again by `xtask/scripts/reglue.py`.";
+    Ok(bench.sheet.evaluation("Tiles", "`quadloom tile`, one run at a time.", outro))
 }
 
 /// What an example of the crate prints.
 fn example(name: &str, args: &[&str]) -> Result<String, String> {
-    let cargo = std::env::var_os("CARGO").unwrap_or("cargo".into());
-    let output = Command::new(cargo)
-        .args(["run", "--release", "--quiet", "--package", "quadloom-tiling", "--example", name, "--"])
-        .args(args)
-        .current_dir(root())
-        .output()
-        .map_err(|e| e.to_string())?;
-    if !output.status.success() {
-        return Err(format!("example {name}: {}", String::from_utf8_lossy(&output.stderr)));
-    }
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    super::runner::example("quadloom-tiling", name, args)
 }
 
 fn rows_of(text: &str) -> Vec<Value> {
     text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect()
-}
-
-fn text_of(value: &Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), String::from)
 }
 
 impl Bench<'_> {
@@ -140,7 +118,7 @@ impl Bench<'_> {
             Err(e) => Some(e.to_string()),
         };
         if let Some(why) = failed {
-            self.broken.push(format!("{name} {options}: {why}"));
+            self.sheet.broken.push(format!("{name} {options}: {why}"));
             return None;
         }
         let report = std::fs::read(&report).ok().and_then(|b| serde_json::from_slice(&b).ok()).unwrap_or(Value::Null);
@@ -148,28 +126,17 @@ impl Bench<'_> {
         let words: [&OsStr; 4] = [script.as_ref(), out.as_ref(), layout.as_ref(), input.as_ref()];
         let judged = python(&words);
         match (&judged["error"], judged["defects"].as_array()) {
-            (Value::String(error), _) => self.broken.push(format!("{name} {options}: the judge fails: {error}")),
+            (Value::String(error), _) => self.sheet.broken.push(format!("{name} {options}: the judge fails: {error}")),
             (_, Some(defects)) if defects.is_empty() => {}
-            _ => self.broken.push(format!("{name} {options}: {}", judged["defects"])),
+            _ => self.sheet.broken.push(format!("{name} {options}: {}", judged["defects"])),
         }
-        self.runs.push(json!({
+        self.sheet.runs.push(json!({
             "model": name, "options": options, "seconds": seconds, "tiles": report["tiles"], "length": report["length"],
             "multipoints": report["multipoints"], "report_seconds": report["seconds"],
             "peak_bytes": report["peak_memory_bytes"], "judged": judged,
         }));
         eprintln!("{name} {options}: {seconds:.3} s, {} tiles, defects {}", report["tiles"], judged["defects"]);
         Some(Ran { seconds, report, judged })
-    }
-
-    /// A cell with an aim: bold where it is missed.
-    fn aim(&mut self, text: String, is_met: bool) -> String {
-        self.aims.1 += 1;
-        self.aims.0 += usize::from(is_met);
-        if is_met { text } else { format!("**{text}**") }
-    }
-
-    fn section(&mut self, title: &str, text: &str, head: &[&str], rows: &[Vec<String>]) {
-        let _ = write!(self.text, "\n## {title}\n\n{text}\n\n{}", grid(head, rows));
     }
 
     fn closed(&mut self) {
@@ -183,15 +150,15 @@ impl Bench<'_> {
             let polygon = part["polygon"].as_i64();
             let all_quads = quads.judged["sides"].as_array().is_some_and(|s| s.iter().all(|n| n.as_i64() == Some(4)));
             let mut cells = vec![name.clone(), genus.to_string()];
-            cells.push(self.aim(polygon.unwrap_or(0).to_string(), polygon == Some(4 * genus)));
-            cells.push(self.aim(text_of(&quads.report["multipoints"]), quads.report["multipoints"] == 1));
-            cells.push(self.aim(tiles.unwrap_or(0).to_string(), tiles == Some(2 * genus - 1) && all_quads));
-            cells.push(self.aim(number(Some(quads.seconds), 3), quads.seconds <= 3.0));
+            cells.push(self.sheet.aim(polygon.unwrap_or(0).to_string(), polygon == Some(4 * genus)));
+            cells.push(self.sheet.aim(text_of(&quads.report["multipoints"]), quads.report["multipoints"] == 1));
+            cells.push(self.sheet.aim(tiles.unwrap_or(0).to_string(), tiles == Some(2 * genus - 1) && all_quads));
+            cells.push(self.sheet.aim(number(Some(quads.seconds), 3), quads.seconds <= 3.0));
             cells.push(format!("{} → {}", quads.report["vertices"][0], quads.report["vertices"][1]));
             for method in ["shortest", "intermediate"] {
                 let Some(disk) = self.tile(name, &format!("--into disk --method {method}")) else { continue };
                 let sides = disk.report["sides"][0].as_i64().unwrap_or(1);
-                cells.push(self.aim(sides.to_string(), sides % 2 == 0 && disk.report["tiles"] == 1));
+                cells.push(self.sheet.aim(sides.to_string(), sides % 2 == 0 && disk.report["tiles"] == 1));
             }
             rows.push(cells);
         }
@@ -206,7 +173,7 @@ impl Bench<'_> {
             "sides, Algorithm 1",
             "sides, Algorithm 3",
         ];
-        self.section("Closed surfaces", "Fast search; quadrangles from Algorithm 2.", &head, &rows);
+        self.sheet.section("Closed surfaces", "Fast search; quadrangles from Algorithm 2.", &head, &rows);
     }
 
     fn bordered(&mut self) {
@@ -216,11 +183,11 @@ impl Bench<'_> {
                 let Some(disk) = self.tile(name, &format!("--into disk --method {method}")) else { continue };
                 let one = disk.report["tiles"] == 1 && disk.judged["chi"] == disk.judged["chi_of_surface"];
                 let mut cells = vec![name.to_string(), method.to_string(), text_of(&disk.report["boundary_loops"])];
-                cells.push(self.aim(text_of(&disk.report["sides"][0]), one));
+                cells.push(self.sheet.aim(text_of(&disk.report["sides"][0]), one));
                 let Some(quads) = self.tile(name, &format!("--into quads --method {method}")) else { continue };
                 let four = quads.judged["sides"].as_array().is_some_and(|s| s.iter().all(|n| n.as_i64() == Some(4)));
                 cells.push(text_of(&quads.report["components"][0]["quadrangles"]["added_nodes"]));
-                cells.push(self.aim(text_of(&quads.report["tiles"]), four));
+                cells.push(self.sheet.aim(text_of(&quads.report["tiles"]), four));
                 cells.push(number(Some(quads.seconds), 3));
                 rows.push(cells);
             }
@@ -234,7 +201,7 @@ impl Bench<'_> {
             "quadrangles",
             "seconds, quadrangles",
         ];
-        self.section("Surfaces with boundary", "Fast search.", &head, &rows);
+        self.sheet.section("Surfaces with boundary", "Fast search.", &head, &rows);
     }
 
     /// [Favreau2009] Table 1, with a plot.
@@ -255,14 +222,16 @@ impl Bench<'_> {
                 let single = seconds(exact, "single_s");
                 let limit = EXACT_LIMITS.iter().find(|l| (l.0, l.1) == (genus, vertices)).map(|l| l.2);
                 let single_cell = match limit {
-                    Some(limit) => self.aim(number(Some(single), 3), single <= limit),
+                    Some(limit) => self.sheet.aim(number(Some(single), 3), single <= limit),
                     None => number(Some(single), 3),
                 };
                 let quick = seconds(fast, "single_s") + seconds(fast, "quads_s");
-                let quick_cell = self.aim(number(Some(quick), 3), quick <= 0.3);
+                let quick_cell = self.sheet.aim(number(Some(quick), 3), quick <= 0.3);
                 let defects = [exact, fast].iter().any(|r| r["defects"] != 0);
                 if defects {
-                    self.broken.push(format!("genus {genus}, {vertices} vertices, {method}: a tiling has defects"));
+                    self.sheet
+                        .broken
+                        .push(format!("genus {genus}, {vertices} vertices, {method}: a tiling has defects"));
                 }
                 table.push(vec![
                     genus.to_string(),
@@ -275,7 +244,7 @@ impl Bench<'_> {
                 ]);
             }
         }
-        self.runs.extend(rows.iter().cloned());
+        self.sheet.runs.extend(rows.iter().cloned());
         let head = [
             "genus",
             "vertices",
@@ -288,7 +257,7 @@ impl Bench<'_> {
         let text = "Seconds, best of three. Aims of the exact search: 5 s at genus 1 with 49,152 vertices, 10 s at genus 2 \
                     with 53,246 and genus 4 with 35,322. Surfaces of the same genus and number of vertices are generated. \
                     ![Seconds against vertices](tiling.svg)";
-        self.section("Table 1", text, &head, &table);
+        self.sheet.section("Table 1", text, &head, &table);
         let path = root().join("docs/results/tiling.svg");
         if self.settings.only.is_empty() {
             std::fs::write(&path, plot(rows)).map_err(|e| format!("{}: {e}", path.display()))?;
@@ -302,15 +271,15 @@ impl Bench<'_> {
             let Some(ran) = self.tile(&format!("holes100_{vertices}"), "--into quads") else { continue };
             let megabytes = ran.report["peak_memory_bytes"].as_f64().map_or(f64::INFINITY, |b| b / 1e6);
             let is_largest = vertices == 500_000;
-            let tiles = self.aim(text_of(&ran.report["tiles"]), ran.report["tiles"] == 199);
-            let seconds = self.aim(number(Some(ran.seconds), 2), !is_largest || ran.seconds <= 10.0);
-            let memory = self.aim(number(Some(megabytes), 0), !is_largest || megabytes <= 3000.0);
+            let tiles = self.sheet.aim(text_of(&ran.report["tiles"]), ran.report["tiles"] == 199);
+            let seconds = self.sheet.aim(number(Some(ran.seconds), 2), !is_largest || ran.seconds <= 10.0);
+            let memory = self.sheet.aim(number(Some(megabytes), 0), !is_largest || megabytes <= 3000.0);
             let cutting = number(ran.report["seconds"]["cutting"].as_f64(), 2);
             rows.push(vec![vertices.to_string(), tiles, cutting, seconds, memory]);
         }
         let head = ["vertices", "quadrangles (199)", "seconds, cutting", "seconds, whole command", "MB"];
         let text = "A plate with 100 holes; aims at 500,000 vertices: 10 s and 3 GB.";
-        self.section("Genus 100", text, &head, &rows);
+        self.sheet.section("Genus 100", text, &head, &rows);
     }
 
     /// [Favreau2009] Figures 16 and 17.
@@ -327,7 +296,7 @@ impl Bench<'_> {
             let first = row["first_loop"].as_f64().unwrap_or(f64::INFINITY);
             let side = if row["search"] == "exact" { &mut first_loops.0 } else { &mut first_loops.1 };
             *side = side.min(first);
-            let count = self.aim(quads.to_string(), quads <= limit);
+            let count = self.sheet.aim(quads.to_string(), quads <= limit);
             let length = |what: &str| number(row[what].as_f64(), 4);
             table.push(vec![
                 text_of(&row["method"]),
@@ -341,7 +310,7 @@ impl Bench<'_> {
                 length("quads_length"),
             ]);
         }
-        let never_longer = self.aim("is not longer".into(), first_loops.0 <= first_loops.1);
+        let never_longer = self.sheet.aim("is not longer", first_loops.0 <= first_loops.1);
         let text = format!(
             "Genus 2, 830 vertices. Limits on quadrangles: 6g − 4 = 8, 2g − 1 = 3, 3g − 2 = 4. The first loop of the exact \
              search {never_longer} than that of the fast one."
@@ -357,7 +326,7 @@ impl Bench<'_> {
             "optimal diagonals",
             "length, quadrangles",
         ];
-        self.section("Lengths", &text, &head, &table);
+        self.sheet.section("Lengths", &text, &head, &table);
     }
 
     fn pants(&mut self) {
@@ -367,18 +336,18 @@ impl Bench<'_> {
                 let Some(pants) = self.tile(name, &format!("--into pants --search {search}")) else { continue };
                 let chi = pants.report["chi"].as_i64().unwrap_or(0);
                 let mut cells = vec![name.to_string(), search.to_string(), chi.to_string()];
-                cells.push(self.aim(text_of(&pants.report["tiles"]), pants.report["tiles"] == -chi));
+                cells.push(self.sheet.aim(text_of(&pants.report["tiles"]), pants.report["tiles"] == -chi));
                 cells.push(number(pants.report["length"].as_f64(), 4));
                 cells.push(number(Some(pants.seconds), 3));
                 let Some(belts) = self.tile(name, &format!("--into cylinders --search {search}")) else { continue };
-                cells.push(self.aim(text_of(&belts.report["tiles"]), belts.report["tiles"] == -3 * chi));
+                cells.push(self.sheet.aim(text_of(&belts.report["tiles"]), belts.report["tiles"] == -3 * chi));
                 cells.push(number(Some(belts.seconds), 3));
                 rows.push(cells);
             }
         }
         let head = ["model", "search", "χ", "pants (−χ)", "length", "seconds", "cylinders (−3χ)", "seconds"];
         let text = "The judge finds genus 0 and three or two boundaries for each.";
-        self.section("Pants and cylinders", text, &head, &rows);
+        self.sheet.section("Pants and cylinders", text, &head, &rows);
     }
 
     /// Maps of tiles: folds of every tile of every closed model, angles on known shapes.
@@ -390,7 +359,7 @@ impl Bench<'_> {
             let rounds = maps.iter().filter_map(|m| m["rounds"].as_i64()).max().unwrap_or(0);
             let folds = ran.judged["defects"].to_string().contains("folded");
             let mapped = ran.judged["mapped"] == ran.judged["faces"];
-            let fine = self.aim(if folds { "folds".into() } else { "none".into() }, mapped && !folds);
+            let fine = self.sheet.aim(if folds { "folds" } else { "none" }, mapped && !folds);
             rows.push(vec![
                 name.to_string(),
                 maps.len().to_string(),
@@ -400,7 +369,12 @@ impl Bench<'_> {
             ]);
         }
         let head = ["model", "tiles", "folds (exact test of the file)", "rounds of re-weighting", "seconds"];
-        self.section("Mean value maps", "Every quadrangle of every closed model, to the unit square.", &head, &rows);
+        self.sheet.section(
+            "Mean value maps",
+            "Every quadrangle of every closed model, to the unit square.",
+            &head,
+            &rows,
+        );
         let shapes = rows_of(&example("flatten_table", &[])?);
         let row = |r: &Value| {
             vec![
@@ -413,11 +387,11 @@ impl Bench<'_> {
             ]
         };
         let table: Vec<Vec<String>> = shapes.iter().map(row).collect();
-        self.runs.extend(shapes);
+        self.sheet.runs.extend(shapes);
         let head = ["shape", "faces", "method", "angle error, mean, degrees", "largest", "area factor, mean"];
         let text = "Corners of the plane against corners of the surface. A conformal map of a smooth shape has none in the \
                     limit, but for the corners at a cone's tip; touching circles know nothing of the triangles' shapes.";
-        self.section("Free borders on known shapes", text, &head, &table);
+        self.sheet.section("Free borders on known shapes", text, &head, &table);
         Ok(())
     }
 
@@ -435,11 +409,16 @@ impl Bench<'_> {
                 files.push([mesh?, layout?]);
             }
             if let [one, two] = &files[..] {
-                let same = self.aim(if one == two { "the same bytes".into() } else { "differ".into() }, one == two);
+                let same = self.sheet.aim(if one == two { "the same bytes" } else { "differ" }, one == two);
                 rows.push(vec![name.to_string(), same]);
             }
         }
-        self.section("Threads", "Mesh with maps, and layout, for one and two threads.", &["model", "files"], &rows);
+        self.sheet.section(
+            "Threads",
+            "Mesh with maps, and layout, for one and two threads.",
+            &["model", "files"],
+            &rows,
+        );
         Ok(())
     }
 }
