@@ -23,18 +23,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Name, stated order and group of each row; the first two by column.
+type Fallible<T> = Result<T, Box<dyn Error>>;
+
+/// Name, stated order and group.
+type Row = (String, usize, Presentation);
+
+/// The rows of a table; name and stated order by column.
 fn table(
     folder: &Path,
     name: &str,
     [map, order]: [usize; 2],
-    group: fn(&[String]) -> Result<Presentation, Box<dyn Error>>,
-) -> Result<Vec<(String, usize, Presentation)>, Box<dyn Error>> {
+    group: fn(&[String]) -> Fallible<Presentation>,
+) -> Fallible<Vec<Row>> {
     tables::rows(folder, name)?.iter().map(|r| Ok((r[map].clone(), r[order].parse()?, group(r)?))).collect()
 }
 
-fn measure(table: &[(String, usize, Presentation)]) -> Value {
-    let enumerate = |(_, _, group): &(String, usize, Presentation)| {
+fn measure(table: &[Row]) -> Value {
+    let enumerate = |(_, _, group): &Row| {
         enumerate_cosets(&group.relators(), &[], CosetLimit::default()).map_or(0, |cosets| cosets.len())
     };
     let (orders, seconds) = tables::timed(|| table.iter().map(enumerate).collect::<Vec<_>>());
