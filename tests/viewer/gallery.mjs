@@ -26,6 +26,7 @@ async function shot(file, asked) {
   if (!whole) await page.addInitScript(style, ALONE);
   await page.goto(`${pathToFileURL(file).href}#${asked}`);
   await page.waitForFunction(() => window.quadloomMap?.ready, null, { timeout: 120000 });
+  await page.evaluate(() => dispatchEvent(new Event('resize')));   // the style came after the surface had been fitted
   await fullyDrawn(page);
   const png = await page.screenshot();
   await page.close();

@@ -21,17 +21,17 @@ const FLAT: &[(&str, &str)] = &[
 
 /// Name of a picture, what comes after `regular-map realize`, options of the page's address.
 const SURFACES: &[(&str, &str, &str)] = &[
-    ("page", "R3.1", "whole=1200x680&yaw=30&pitch=25&face=3"),
+    ("page", "R3.1", "whole=1200x680&yaw=30&pitch=25&face=47"),
     ("r3.1", "R3.1", "yaw=30&pitch=25"),
     ("r3.1-dual", "R3.1 --dual", "yaw=30&pitch=25"),
     ("r5.4", "R5.4", "yaw=30&pitch=25"),
     ("r11.1", "R11.1", "yaw=30&pitch=25"),
-    ("r13.2-dual", "R13.2'", "yaw=30&pitch=25"),
-    ("r9.3-dual", "R9.3'", "yaw=30&pitch=25"),
-    ("r5.8", "R5.8", "yaw=30&pitch=25"),
+    ("r13.2-dual", "R13.2' --edge-width 0.02", "yaw=45&pitch=35"),
+    ("r9.3-dual", "R9.3' --edge-width 0.025", "yaw=8&pitch=-14"),
+    ("r5.8", "R5.8 --edge-width 0.03", "yaw=6&pitch=12"),
     ("r21.3-dual", "R21.3'", "yaw=30&pitch=25"),
-    ("r5.7-hosohedron", "R5.7 --on {2,6}", "yaw=30&pitch=25"),
-    ("r6.2-twisted", "R6.2", "yaw=30&pitch=25"),
+    ("r5.7-hosohedron", "R5.7 --on {2,6}", "yaw=30&pitch=40"),
+    ("r6.2-twisted", "R6.2", "yaw=8&pitch=10"),
     ("r11.1-symmetry", "R11.1 --colors symmetry", "yaw=30&pitch=25"),
 ];
 
