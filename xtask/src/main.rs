@@ -3,6 +3,7 @@
 
 mod checks;
 mod eval;
+mod gallery;
 mod shell;
 mod viewer;
 
@@ -19,6 +20,7 @@ checks      fmt        formatting is rustfmt's
             viewer     a page of the command works in Chromium (skipped without node, chromium or playwright-core)
             test       cargo test --workspace
             ci         all of them, in this order
+pictures    gallery [NAME …]  pictures of docs/regular-maps.md (skipped as viewer is)
 evaluations eval SUITE [--only A,B] [--jobs N] [--binary FILE] [--models DIR] [--timeout SECONDS]
             suites: tri, irregular, features, distance, geodesic, tiling, regular-maps, speed, threads, nasty, fields,
             limits, cad, solver";
@@ -33,6 +35,7 @@ fn main() -> ExitCode {
         ["paths"] => checks::paths(),
         ["docs"] => checks::docs(),
         ["viewer"] => viewer::test(),
+        ["gallery", ..] => gallery::make(&args[1..]),
         ["test"] => shell::cargo(&["test", "--workspace"]),
         ["ci"] => ["fmt", "citations", "paths", "clippy", "docs", "viewer", "test"]
             .iter()

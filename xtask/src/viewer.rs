@@ -12,15 +12,11 @@ const SHAPE: &str = "sample:bracket";
 
 /// Makes a page with the command and has `tests/viewer/run.mjs` work with it.
 pub fn test() -> Outcome {
-    let node = Command::new("node").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
-    if !node.is_ok_and(|status| status.success()) {
-        println!("skipped: there is no node to drive a browser with");
+    if !has_node() {
         return Ok(());
     }
     // 1. The page.
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
-    let folder = target.join("viewer");
-    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let folder = built_folder("viewer")?;
     let [mesh, page] = ["bracket.obj", "bracket.html"].map(|name| folder.join(name).display().to_string());
     let words = ["run", "--release", "--quiet", "--package", "quadloom-cli", "--", "remesh", SHAPE];
     let options = ["--quads", "1500", "-o", &mesh, "--view", &page, "--quiet"];
@@ -47,12 +43,35 @@ pub fn test() -> Outcome {
     // 5. A map beside its flat picture.
     let page = folder.join("map.html").display().to_string();
     cargo(&["run", "--release", "--quiet", "--package", "quadloom", "--example", "06_map_page", "--", &page])?;
-    browse(&root().join("tests/viewer/map.mjs"), &[&page, &pictures])
+    browse(&root().join("tests/viewer/map.mjs"), &[&page, &pictures])?;
+    // 6. A regular map, as the command writes it.
+    let [surface, page] = ["klein.glb", "klein.html"].map(|name| folder.join(name).display().to_string());
+    let words = ["run", "--release", "--quiet", "--package", "quadloom-cli", "--", "regular-map", "realize", "R3.1"];
+    cargo(&[&words[..], &["-o", &surface, "--view", &page, "--quiet"]].concat())?;
+    browse(&root().join("tests/viewer/map.mjs"), &[&page])
 }
 
-/// Has a script work with a page.
-fn browse(script: &Path, words: &[&str]) -> Outcome {
+/// Whether there is a node to drive a browser with; says so if not.
+pub fn has_node() -> bool {
+    let node = Command::new("node").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    let found = node.is_ok_and(|status| status.success());
+    if !found {
+        println!("skipped: there is no node to drive a browser with");
+    }
+    found
+}
+
+/// A folder beside what was built; it is made.
+pub fn built_folder(name: &str) -> Result<PathBuf, String> {
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
+    let folder = target.join(name);
+    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    Ok(folder)
+}
+
+/// Has a script work with pages.
+pub fn browse(script: &Path, words: &[&str]) -> Outcome {
     let status = Command::new("node").arg(script).args(words).current_dir(root()).status();
     let status = status.map_err(|e| format!("node: {e}"))?;
-    if status.success() { Ok(()) } else { Err(format!("the browser test of {} failed", words[0])) }
+    if status.success() { Ok(()) } else { Err(format!("{} failed on {}", script.display(), words[0])) }
 }

@@ -212,9 +212,10 @@ pub struct RealizeArgs {
     /// How edges are drawn [default: relief in .stl, else bands]
     #[arg(long, value_enum)]
     pub edges: Option<EdgesArg>,
-    /// Width of edges: share of the distance from an edge to its face's centre; above 0, at most 0.9
-    #[arg(long, value_name = "W", default_value_t = 0.12, value_parser = parse_width)]
-    pub edge_width: f64,
+    /// Width of edges: share of the distance from an edge to its face's centre; above 0, at most 0.9 [default: 0.05 for
+    /// bands, else 0.12]
+    #[arg(long, value_name = "W", value_parser = parse_width)]
+    pub edge_width: Option<f64>,
     /// Pieces that a quarter-tube is at least cut into along and around
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(3..=64))]
     pub steps: u16,

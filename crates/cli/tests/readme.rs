@@ -27,7 +27,7 @@ fn every_command_in_the_readme_works() {
 #[test]
 fn every_verb_has_help_with_an_example() {
     let bench = Bench::new();
-    for verb in ["remesh", "field", "check", "stats", "convert", "view", "samples", "distance"] {
+    for verb in ["remesh", "field", "check", "stats", "convert", "view", "samples", "distance", "tile", "regular-map"] {
         let help = bench.line(&format!("{verb} --help"));
         help.succeeds();
         assert!(help.stdout.contains(&format!("Example: quadloom {verb}")), "{}", help.stdout);

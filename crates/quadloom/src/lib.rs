@@ -3,6 +3,7 @@
 //! In: a file or a mesh. Out: [`RemeshResult`]: a pure-quad mesh and a [`Report`].
 //! Holds: what [`remesh()`] returns is verified: manifold, oriented, the topology of the (repaired) input, no quad
 //! inverted, none facing against the input. The stages are public, one function per arrow, in [`stages`].
+//! Beside it: exact distances ([`distance`]), tiles ([`tile`]), regular maps ([`regular_map`]).
 //! Source: [Bommes2012].
 //!
 //! ```

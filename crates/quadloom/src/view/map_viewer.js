@@ -626,10 +626,14 @@ function keep(face, towards = false) {
   refresh();
 }
 function turnTo(face) {
-  const { start, end } = parts.get(face), area = faceNormals({ positions, faces: corners.subarray(3 * start, 3 * end), degree: 3, count: end - start }), normal = [0, 0, 0];
-  area.forEach((x, k) => { normal[k % 3] += x; });
-  const rotation = turnedToEye(camera.rotation, normal);
+  const rotation = turnedTo(face);
   if (rotation) flyTo({ rotation }, 520);
+}
+// The rotation with which the face is seen; null where it faces all ways alike, or is not on the surface.
+function turnedTo(face) {
+  const { start, end } = parts.get(face) ?? { start: 0, end: 0 }, area = faceNormals({ positions, faces: corners.subarray(3 * start, 3 * end), degree: 3, count: end - start }), normal = [0, 0, 0];
+  area.forEach((x, k) => { normal[k % 3] += x; });
+  return turnedToEye(camera.rotation, normal);
 }
 function step(by) {
   if (!named.length) return;
@@ -693,7 +697,12 @@ function readAddress() {
   const start = fitted(facing(number('yaw', HOME_YAW), number('pitch', HOME_PITCH)));
   Object.assign(camera, start, { distance: start.distance / Math.min(Math.max(number('zoom', 1), 0.02), 100) });
   follow(!asked.has('zoom'));
-  if (asked.has('face') && exists(number('face', 0))) state.kept = number('face', 0);
+  const face = number('face', NaN);
+  if (exists(face)) {
+    state.kept = face;
+    const turned = asked.has('yaw') || asked.has('pitch') ? null : turnedTo(face);
+    if (turned) camera.rotation = turned;
+  }
   state.turning = asked.get('turntable') === 'on';
 }
 

@@ -137,14 +137,15 @@ fn code_of(surface: &SurfaceReport) -> ExitCode {
 fn realize_request(args: &RealizeArgs) -> RealizeRequest {
     let relief = Format::from_path(&args.surface.output) == Some(Format::Stl);
     let edges = args.edges.unwrap_or(if relief { EdgesArg::Relief } else { EdgesArg::Bands });
+    let width = args.edge_width.unwrap_or(if edges == EdgesArg::Bands { BAND } else { RIDGE });
     let mut options = options(&args.surface, &args.run);
     options.draw = DrawOptions {
         drawn: if args.dual { Drawn::Dual } else { Drawn::Map },
         edges: match edges {
             EdgesArg::None => EdgeStyle::None,
-            EdgesArg::Bands => EdgeStyle::Bands(args.edge_width),
-            EdgesArg::Tubes => EdgeStyle::Tubes(args.edge_width),
-            EdgesArg::Relief => EdgeStyle::Relief(args.edge_width),
+            EdgesArg::Bands => EdgeStyle::Bands(width),
+            EdgesArg::Tubes => EdgeStyle::Tubes(width),
+            EdgesArg::Relief => EdgeStyle::Relief(width),
         },
         height: match edges {
             EdgesArg::None | EdgesArg::Bands => 0.0,
@@ -154,6 +155,12 @@ fn realize_request(args: &RealizeArgs) -> RealizeRequest {
     };
     RealizeRequest { on: args.on.clone(), options, colors: args.colors.clone(), size: args.surface.size }
 }
+
+/// Width of bands: lines, even where a face is drawn out along a tube.
+const BAND: f64 = 0.05;
+
+/// Width of what stands out: a nozzle can print it.
+const RIDGE: f64 = 0.12;
 
 /// Height of ridges and reliefs in tube radii.
 const RELIEF: f64 = 0.12;
