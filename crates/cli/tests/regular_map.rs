@@ -384,3 +384,14 @@ fn every_verb_has_help_with_an_example() {
         assert!(help.stdout.contains(&format!("Example: quadloom regular-map {verb}")), "{}", help.stdout);
     }
 }
+
+#[test]
+fn a_symmetry_that_is_asked_for_is_had_or_refused() {
+    let bench = Bench::new();
+    let told = "regular-map realize R3.1 --symmetry D9 -o none.obj";
+    bench.line(told).fails_with(4, &["D9"]);
+    assert!(!bench.path("none.obj").exists());
+    bench.line("regular-map realize R3.1 --symmetry C3 -o c3.obj --report c3.json").succeeds();
+    let order = json(&bench, "c3.json")["surface_of"]["symmetry"]["order"].as_u64().unwrap();
+    assert_eq!(order % 3, 0);
+}

@@ -9,7 +9,7 @@ use crate::drawing::{DrawError, DrawOptions, Drawing, DrawnCounts, EdgeStyle, dr
 use crate::map::RegularMap;
 use crate::matching::{MatchOptions, TubeMatch, find_matches};
 use crate::rotations::{Measured, measure};
-use crate::skeleton::{self, RelaxOptions, Relaxed, Skeleton, SkeletonError};
+use crate::skeleton::{self, RelaxOptions, Relaxed, Skeleton, SkeletonError, Symmetry};
 use crate::tubes::{TubeError, TubeOptions, TubeSurface, build_without_intersections};
 use glam::DVec3;
 use quadloom_mesh::{Cancelled, FaceId, FaceShape, Mesh, MeshError, Progress, VertexId, VertexMap, self_intersections};
@@ -19,7 +19,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SkeletonKind {
-    /// Exact where the target lies on a sphere or torus, else relaxed, else drawn.
+    /// Exact where the target lies on a sphere or torus and no group is asked for by name, else relaxed, else drawn.
     #[default]
     Auto,
     /// Straight edges or arcs of a map on the sphere.
@@ -290,11 +290,14 @@ fn draw_on(
 /// # Errors     see [`RealizeError`]
 /// # Source     [Razafindrazaka2015] §9.2–9.4
 pub fn tubify(target: &RegularMap, options: &RealizeOptions, progress: &Progress) -> Result<Tubified, RealizeError> {
-    let torus = || skeleton::torus(target).filter(|_| options.skeleton == SkeletonKind::Auto);
+    // Exact skeletons have the symmetry that they have; another one has to be relaxed.
+    let named = matches!(options.relax.symmetry, Symmetry::Named(_));
+    let kind = if named && options.skeleton == SkeletonKind::Auto { SkeletonKind::Relaxed } else { options.skeleton };
+    let torus = || skeleton::torus(target).filter(|_| kind == SkeletonKind::Auto);
     // A flat torus loses some symmetry in space: a relaxed skeleton may have more of it.
     if let Some(bent) = torus().filter(|_| target.edge_count() <= MOST_COMPARED) {
         let bent = tubified(target, bent, SkeletonKind::Torus, options);
-        let relaxed = tubify_relaxed(target, SkeletonKind::Relaxed, options, progress);
+        let relaxed = tubify_as(target, SkeletonKind::Relaxed, options, progress);
         return match (bent, relaxed) {
             (_, Err(RealizeError::Cancelled(stop))) => Err(stop.into()),
             (Ok(bent), Ok(relaxed)) if bent.rotations.elements.len() >= relaxed.rotations.elements.len() => Ok(bent),
@@ -302,14 +305,14 @@ pub fn tubify(target: &RegularMap, options: &RealizeOptions, progress: &Progress
             (bent, _) => bent,
         };
     }
-    tubify_relaxed(target, options.skeleton, options, progress)
+    tubify_as(target, kind, options, progress)
 }
 
 /// Edges of a torus at most for which both skeletons are made.
 const MOST_COMPARED: usize = 40;
 
 /// With a skeleton of this kind; where it is relaxed, with another one too if tubes meet.
-fn tubify_relaxed(
+fn tubify_as(
     target: &RegularMap,
     kind: SkeletonKind,
     options: &RealizeOptions,
