@@ -15,13 +15,13 @@ const FLAT: &[(&str, &str)] = &[
     ("r3.1-orbits", "R3.1' --colors orbit:R"),
     ("r3.1-petrie", "R3.1 --colors petrie"),
     ("r4.2-triangles", "R4.2 --colors triangle --centre vertex"),
-    ("dodecahedron", "dodecahedron --centre vertex"),
+    ("dodecahedron", "dodecahedron"),
     ("torus", "{6,3}_(3,3)"),
 ];
 
 /// Name of a picture, what comes after `regular-map realize`, options of the page's address.
 const SURFACES: &[(&str, &str, &str)] = &[
-    ("page", "R3.1", "whole=1200x680&yaw=30&pitch=25&face=47"),
+    ("page", "R3.1", "whole=1200x680&yaw=30&pitch=25&face=2"),
     ("r3.1", "R3.1", "yaw=30&pitch=25"),
     ("r3.1-dual", "R3.1 --dual", "yaw=30&pitch=25"),
     ("r5.4", "R5.4", "yaw=30&pitch=25"),

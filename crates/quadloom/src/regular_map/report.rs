@@ -70,6 +70,11 @@ impl MapReport {
         }
     }
 
+    /// Name and identifier, once where they are the same.
+    fn names(&self) -> String {
+        if self.name == self.identifier { self.name.clone() } else { format!("{} {}", self.name, self.identifier) }
+    }
+
     /// Facts for people: name and value.
     pub fn rows(&self) -> Vec<(&'static str, String)> {
         let yes = |b: bool| String::from(if b { "yes" } else { "no" });
@@ -285,11 +290,11 @@ impl RealizeReport {
         let target = &self.surface_of.target;
         let orbits: Vec<String> = self.face_orbits.iter().map(|orbit| orbit.len().to_string()).collect();
         let facts = [
-            ("map", format!("{} {}", source.name, source.identifier)),
+            ("map", source.names()),
             ("genus", source.genus.to_string()),
             ("drawn", format!("{} faces, {} edges, {} vertices", self.map.faces, self.map.edges, self.map.vertices)),
             ("symmetries of the map", source.order.to_string()),
-            ("tubes around the edges of", format!("{} {}", target.name, target.identifier)),
+            ("tubes around the edges of", target.names()),
             ("junctions, tubes", format!("{}, {}", self.surface_of.junctions, self.surface_of.tubes)),
             ("rotations in space", format!("{} ({})", self.surface_of.symmetry.group, self.surface_of.symmetry.order)),
             ("orbits of faces", orbits.join(" + ")),

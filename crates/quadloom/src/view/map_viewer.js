@@ -66,7 +66,7 @@ const THEMES = {
 // ------------------------------------------------------------------------------------------------ camera
 
 const canvas = $('canvas');
-const space = () => ({ right: 0, bottom: flat ? 0 : 60 });   // above the tools, where the surface is as tall as the page
+const space = () => ({ right: 0, bottom: 60 });   // above the tools
 const { camera, currentView, flyTo, fly, stop, follow, fitted, goHome, keepFitted, orbit, pan, zoom } =
   makeCamera({ canvas, space, positions: () => positions, redraw: () => redraw() });
 
