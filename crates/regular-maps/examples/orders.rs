@@ -23,26 +23,33 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Name, stated order and group of each row; the first two by column.
-fn table(
-    folder: &Path,
-    name: &str,
-    [map, order]: [usize; 2],
-    group: fn(&[String]) -> Result<Presentation, Box<dyn Error>>,
-) -> Result<Vec<(String, usize, Presentation)>, Box<dyn Error>> {
-    tables::rows(folder, name)?.iter().map(|r| Ok((r[map].clone(), r[order].parse()?, group(r)?))).collect()
+/// A row of a table.
+struct Stated {
+    map: String,
+    order: usize,
+    group: Presentation,
 }
 
-fn measure(table: &[(String, usize, Presentation)]) -> Value {
-    let enumerate = |(_, _, group): &(String, usize, Presentation)| {
-        enumerate_cosets(&group.relators(), &[], CosetLimit::default()).map_or(0, |cosets| cosets.len())
+/// The rows of a table, with the columns of name and order.
+fn table(folder: &Path, name: &str, columns: [usize; 2], group: Reader) -> Result<Vec<Stated>, Box<dyn Error>> {
+    let [map, order] = columns;
+    let stated = |r: &Vec<String>| Ok(Stated { map: r[map].clone(), order: r[order].parse()?, group: group(r)? });
+    tables::rows(folder, name)?.iter().map(stated).collect()
+}
+
+/// What makes a group of a row.
+type Reader = fn(&[String]) -> Result<Presentation, Box<dyn Error>>;
+
+fn measure(table: &[Stated]) -> Value {
+    let enumerate = |row: &Stated| {
+        enumerate_cosets(&row.group.relators(), &[], CosetLimit::default()).map_or(0, |cosets| cosets.len())
     };
     let (orders, seconds) = tables::timed(|| table.iter().map(enumerate).collect::<Vec<_>>());
     let wrong: Vec<Value> = table
         .iter()
         .zip(&orders)
-        .filter(|((_, stated, _), found)| stated != *found)
-        .map(|((name, stated, _), found)| json!({ "map": name, "stated": stated, "found": found }))
+        .filter(|(row, found)| row.order != **found)
+        .map(|(row, found)| json!({ "map": row.map, "stated": row.order, "found": found }))
         .collect();
     json!({ "presentations": table.len(), "wrong": wrong, "seconds": seconds })
 }
