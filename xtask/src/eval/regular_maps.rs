@@ -232,7 +232,7 @@ impl Bench<'_> {
             rows.push(self.surface(&large_map(row), "{6,5}_10", ""));
         }
         let text = "Drawn without edges as OBJ. Maps on the tubes of a target that is asked for, or of the command's choice. \
-                    open3d looks at pairs of triangles without a common vertex; where there are more than 160,000 triangles \
+                    open3d looks at pairs of triangles without a common vertex; where there are more than 120,000 triangles \
                     it is not asked.";
         self.sheet.section("Maps in space", text, &SURFACE_HEAD, &rows);
         let mut rows = Vec::new();
