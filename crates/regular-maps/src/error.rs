@@ -18,6 +18,12 @@ pub enum MapError {
     /// A presentation without R^p or S^q.
     #[error("the presentation has no relator {0}^n with n of at least 2, so the type {{p,q}} is unknown; add it")]
     NoType(char),
+    /// A presentation with two powers of one rotation.
+    #[error(
+        "the presentation has both {0}^{1} and {0}^{2}; give the one that counts the {side}",
+        side = if *.0 == 'R' { "corners of a face" } else { "corners at a vertex" }
+    )]
+    TwoTypes(char, usize, usize),
     /// The relators make a rotation shorter than they say.
     #[error(
         "the presentation says {letter}^{said}, but its other relators make the order of {letter} {found}: \

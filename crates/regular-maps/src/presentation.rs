@@ -28,7 +28,8 @@ impl Presentation {
     /// Reads `⟨R, S, T | R^3, S^7, …⟩`; the angle brackets (also `<` and `>`) and what stands before `|` may be missing.
     ///
     /// # Output     p and q are taken from the relators that are powers of R and of S alone
-    /// # Errors     what cannot be read; [`MapError::NoType`] where R^p or S^q is missing
+    /// # Errors     what cannot be read; [`MapError::NoType`] where R^p or S^q is missing, [`MapError::TwoTypes`] where two
+    ///   powers of one of them differ
     pub fn parse(text: &str) -> Result<Self, MapError> {
         let inner = text.trim().trim_start_matches(['⟨', '<']).trim_end_matches(['⟩', '>']);
         let relators = match inner.split_once('|') {
@@ -52,8 +53,8 @@ impl Presentation {
         let mut extra = Vec::new();
         for word in words {
             match word.as_power() {
-                Some((Letter::R | Letter::RInverse, n)) => orders[0] = gcd(orders[0], n),
-                Some((Letter::S | Letter::SInverse, n)) => orders[1] = gcd(orders[1], n),
+                Some((Letter::R | Letter::RInverse, n)) => state(&mut orders[0], 'R', n)?,
+                Some((Letter::S | Letter::SInverse, n)) => state(&mut orders[1], 'S', n)?,
                 _ if is_standard(&word) => {}
                 _ => extra.push(word),
             }
@@ -114,8 +115,14 @@ fn is_standard(word: &Word) -> bool {
             && !reflections.contains(&Reflection::R1))
 }
 
-fn gcd(a: usize, b: usize) -> usize {
-    if b == 0 { a } else { gcd(b, a % b) }
+/// Takes a power of R or S as p or q; who wrote two meant one of them.
+fn state(order: &mut usize, letter: char, n: usize) -> Result<(), MapError> {
+    match *order {
+        0 => *order = n,
+        stated if stated != n => return Err(MapError::TwoTypes(letter, stated, n)),
+        _ => {}
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -134,5 +141,11 @@ mod tests {
         assert_eq!(Presentation::parse("R^4, T^2"), Err(MapError::NoType('S')));
         assert_eq!(Presentation::parse("<R,S,T|S^3>"), Err(MapError::NoType('R')));
         assert!(matches!(Presentation::parse("<R,Q | R^3>"), Err(MapError::Syntax { .. })));
+    }
+
+    #[test]
+    fn two_sizes_of_a_face_are_refused() {
+        assert_eq!(Presentation::parse("R^6, S^4, R^3"), Err(MapError::TwoTypes('R', 6, 3)));
+        assert_eq!(Presentation::parse("R^3, S^4, R^3, S^-4"), Ok(Presentation::new(3, 4, vec![])));
     }
 }

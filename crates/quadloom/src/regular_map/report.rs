@@ -281,7 +281,9 @@ impl RealizeReport {
     /// One line about the whole.
     pub fn title(&self) -> String {
         let dual = if self.dual { "The dual of " } else { "" };
-        format!("{dual}{} on tubes around {}", self.source.name, self.surface_of.target.name)
+        let target = &self.surface_of.target.name;
+        let article = if target.starts_with(char::is_lowercase) { "the " } else { "" };
+        format!("{dual}{} on tubes around {article}{target}", self.source.name)
     }
 
     /// Facts for people: name and value.
