@@ -3,7 +3,7 @@
 use crate::args::{RunArgs, parse_above_zero, parse_part};
 use clap::{Args, Subcommand, ValueEnum};
 use quadloom::regular_map::ColorBy;
-use quadloom::regular_maps::skeleton::Symmetry;
+use quadloom::tubification::skeleton::Symmetry;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 

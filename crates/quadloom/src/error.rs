@@ -70,7 +70,7 @@ pub enum RemeshError {
     },
     /// A regular map has no surface in space.
     #[error("{0}{cure}", cure = realize_cure(.0))]
-    Realize(quadloom_regular_maps::RealizeError),
+    Realize(quadloom_tubification::RealizeError),
     /// A piece of the input has no area.
     #[error(
         "{faces} faces form a piece without area (first: face {first}); delete them, or check the units and the \
@@ -162,9 +162,9 @@ fn component_name(component: &Option<(usize, u32)>) -> String {
 }
 
 /// What may help besides what the error says.
-fn realize_cure(error: &quadloom_regular_maps::RealizeError) -> &'static str {
+fn realize_cure(error: &quadloom_tubification::RealizeError) -> &'static str {
     match error {
-        quadloom_regular_maps::RealizeError::Intersections { .. } => {
+        quadloom_tubification::RealizeError::Intersections { .. } => {
             " (--allow-intersections, --on, --skeleton, --symmetry)"
         }
         _ => "",
@@ -224,10 +224,10 @@ impl From<quadloom_regular_maps::catalogue::CatalogueError> for RemeshError {
     }
 }
 
-impl From<quadloom_regular_maps::RealizeError> for RemeshError {
-    fn from(error: quadloom_regular_maps::RealizeError) -> Self {
-        use quadloom_regular_maps::RealizeError as E;
-        use quadloom_regular_maps::skeleton::SkeletonError;
+impl From<quadloom_tubification::RealizeError> for RemeshError {
+    fn from(error: quadloom_tubification::RealizeError) -> Self {
+        use quadloom_tubification::RealizeError as E;
+        use quadloom_tubification::skeleton::SkeletonError;
         match error {
             E::Cancelled(cancelled) | E::Skeleton(SkeletonError::Cancelled(cancelled)) => Self::Cancelled(cancelled),
             other => Self::Realize(other),
@@ -236,10 +236,10 @@ impl From<quadloom_regular_maps::RealizeError> for RemeshError {
 }
 
 /// What kind of failure an error of realising a map is.
-fn realize_kind(error: &quadloom_regular_maps::RealizeError) -> FailureKind {
-    use quadloom_regular_maps::RealizeError as E;
-    use quadloom_regular_maps::TubeError;
-    use quadloom_regular_maps::skeleton::SkeletonError as S;
+fn realize_kind(error: &quadloom_tubification::RealizeError) -> FailureKind {
+    use quadloom_tubification::RealizeError as E;
+    use quadloom_tubification::TubeError;
+    use quadloom_tubification::skeleton::SkeletonError as S;
     match error {
         E::NoMatch(_) | E::Skeleton(S::NoSymmetry { .. } | S::Valence(..)) => FailureKind::Rejected,
         E::Tubes(TubeError::Option(..)) => FailureKind::Usage,

@@ -60,5 +60,6 @@ pub use quadloom_mesh::shapes::{sample, sample_names};
 pub use quadloom_mesh::{FaceSoup, Progress, QuadMesh, TriMesh};
 pub use quadloom_regular_maps as regular_maps;
 pub use quadloom_tiling as tiling;
+pub use quadloom_tubification as tubification;
 pub use remesh::{RemeshResult, remesh, remesh_mesh};
 pub use report::Report;

@@ -5,8 +5,9 @@
 
 use quadloom_mesh::Id;
 use quadloom_regular_maps::colouring::{Colouring, palette};
-use quadloom_regular_maps::realize::Realization;
-use quadloom_regular_maps::{Drawn, FlagId, FlagMap, MapFaceId, Reflection, RegularMap, Word};
+use quadloom_regular_maps::{FlagId, FlagMap, MapFaceId, Reflection, RegularMap, Word};
+use quadloom_tubification::Drawn;
+use quadloom_tubification::realize::Realization;
 
 /// What to colour by.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -39,8 +39,8 @@ use crate::error::RemeshError;
 use colors::Shown;
 use quadloom_mesh::{DVec3, FaceId, Progress};
 use quadloom_regular_maps::colouring::Colouring;
-use quadloom_regular_maps::realize::{Realization, RealizeError, RealizeOptions, realize, realize_on};
 use quadloom_regular_maps::{MapError, MatchOptions, RegularMap, TubeMatch, find_matches};
+use quadloom_tubification::realize::{Realization, RealizeError, RealizeOptions, realize, realize_on};
 use std::time::Instant;
 
 /// How a map is realised.
@@ -103,7 +103,7 @@ impl Realized {
 ///
 /// # Output     the surface of the first target that works; a surface that intersects itself only where that is allowed
 /// # Errors     [`MapError::NotOrientable`]; [`RealizeError::NoMatch`]; [`RemeshError::NoTarget`] where the source does not
-///   match what was asked for; those of [`quadloom_regular_maps::realize`]
+///   match what was asked for; those of [`quadloom_tubification::realize`]
 /// # Cost       relaxation, where it is needed, then linear in the triangles
 /// # Source     [Razafindrazaka2015] §9.2–9.6
 pub fn realize_map(source: &NamedMap, request: &RealizeRequest, progress: &Progress) -> Result<Realized, RemeshError> {
@@ -182,7 +182,7 @@ fn matches_on(source: &NamedMap, target: &str) -> Result<Vec<TubeMatch>, RemeshE
 #[cfg(test)]
 mod tests {
     use super::*;
-    use quadloom_regular_maps::{DrawOptions, EdgeStyle};
+    use quadloom_tubification::{DrawOptions, EdgeStyle};
 
     #[test]
     fn a_surface_that_meets_itself_is_a_result_only_where_that_is_allowed() {

@@ -7,7 +7,7 @@ use super::{Realized, Tubed};
 use crate::error::RemeshError;
 use quadloom_io::{Batch, Format, SurfaceOut, WriteOptions, WriteWarning, stage_surface};
 use quadloom_mesh::{FaceId, TriMesh};
-use quadloom_regular_maps::realize::RealizeError;
+use quadloom_tubification::realize::RealizeError;
 use std::collections::HashMap;
 use std::io::{self, Write};
 use std::path::Path;

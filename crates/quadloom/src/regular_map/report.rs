@@ -6,8 +6,9 @@ use super::NamedMap;
 use super::colors::Shown;
 use super::request::name_of;
 use quadloom_mesh::{FaceShape, Mesh};
-use quadloom_regular_maps::realize::{Realization, SkeletonKind, Tubified};
-use quadloom_regular_maps::{Drawn, DrawnCounts, Pole, RegularMap, TubeMatch};
+use quadloom_regular_maps::{Pole, RegularMap, TubeMatch};
+use quadloom_tubification::realize::{Realization, SkeletonKind, Tubified};
+use quadloom_tubification::{Drawn, DrawnCounts};
 use serde::Serialize;
 
 /// A map by its numbers.

@@ -7,7 +7,7 @@ use super::NamedMap;
 use super::report::{SurfaceReport, TubeReport, TubifyReport};
 use crate::error::RemeshError;
 use quadloom_mesh::{DVec3, Progress, self_intersections};
-use quadloom_regular_maps::realize::{RealizeError, RealizeOptions, Tubified, sized, tubify};
+use quadloom_tubification::realize::{RealizeError, RealizeOptions, Tubified, sized, tubify};
 use std::time::Instant;
 
 /// A tube surface, scaled.
