@@ -38,7 +38,7 @@ pub enum MapError {
         found: usize,
     },
     /// More cosets than allowed.
-    #[error("more than {0} cosets: the group is infinite or too large; add relators or raise the limit")]
+    #[error("more than {0} cosets: the group is infinite or too large; add relators")]
     TooLarge(usize),
     /// A table that is no regular map.
     #[error("this is no regular map: {0}")]

@@ -106,17 +106,21 @@ fn realize(args: &RealizeArgs) -> Result<ExitCode, RemeshError> {
     files.commit()?;
     let report = &result.report;
     console.note(&format!(
-        "{}: {}, {} junctions, {} tubes, rotations {}, {} triangles, {} self-intersections, {:.2} s",
+        "{}: {}, {}, {}, rotations {}, {} triangles, {} self-intersections, {:.2} s",
         args.surface.output.display(),
         report.title(),
-        report.surface_of.junctions,
-        report.surface_of.tubes,
+        counted(report.surface_of.junctions, "junction"),
+        counted(report.surface_of.tubes, "tube"),
         report.surface_of.symmetry.group,
         report.surface.faces,
         report.surface.self_intersections,
         report.seconds
     ));
     Ok(code_of(&report.surface))
+}
+
+fn counted(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }
 
 fn warn(console: &Console, path: &Path, warnings: &[WriteWarning]) {
@@ -182,11 +186,11 @@ fn tubify(args: &TubifyArgs) -> Result<ExitCode, RemeshError> {
     stage_report(&mut files, args.report.as_deref(), &result.report)?;
     files.commit()?;
     console.note(&format!(
-        "{}: tubes of {}, {} junctions, {} tubes, genus {}, rotations {}, {} self-intersections, {:.2} s",
+        "{}: tubes of {}, {}, {}, genus {}, rotations {}, {} self-intersections, {:.2} s",
         args.surface.output.display(),
         source.name,
-        result.report.tubes.junctions,
-        result.report.tubes.tubes,
+        counted(result.report.tubes.junctions, "junction"),
+        counted(result.report.tubes.tubes, "tube"),
         result.report.surface.genus,
         result.report.tubes.symmetry.group,
         result.report.surface.self_intersections,
