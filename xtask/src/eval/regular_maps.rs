@@ -14,7 +14,7 @@ use crate::shell::root;
 use serde_json::{Value, json};
 use std::process::Command;
 use std::time::Instant;
-use tools::{Bench, Made, Named, by_open3d, is_clean, said};
+use tools::{Bench, Made, Named, Open3d, by_open3d, is_clean, said};
 
 /// Maps per genus from 2 on, up to duality: the published count.
 const COUNTS: [usize; 23] = [6, 12, 12, 16, 13, 12, 11, 32, 24, 14, 11, 22, 12, 23, 17, 40, 14, 35, 13, 40, 18, 11, 17];
@@ -262,7 +262,7 @@ impl Bench<'_> {
             return row;
         }
         let (report, drawn) = (&made.report, self.judge_map(&made));
-        let solid = self.judge_solid(&made, &report["source"]["genus"]);
+        let solid = self.judge_solid(&made, &report["source"]["genus"], Open3d::WhereQuick);
         let symmetry = text_of(&report["surface_of"]["symmetry"]["group"]);
         let own = counts_agree(&made);
         let crossings = &report["surface"]["self_intersections"];
@@ -305,8 +305,11 @@ impl Bench<'_> {
             let on = text_of(&target["target"]["identifier"]);
             let made = self.make("realize", &map, "obj", &format!("--edges none --allow-intersections --on {on}"));
             let drawn = if made.is_written() { self.judge_map(&made) } else { Value::Null };
-            let solid =
-                if made.is_written() { self.judge_solid(&made, &made.report["source"]["genus"]) } else { Value::Null };
+            let solid = if made.is_written() {
+                self.judge_solid(&made, &made.report["source"]["genus"], Open3d::WhereQuick)
+            } else {
+                Value::Null
+            };
             let report = &made.report;
             let own = made.is_written() && counts_agree(&made);
             let closed = solid["watertight"] == true && solid["genus"] == genus;
@@ -349,7 +352,7 @@ impl Bench<'_> {
             }
             let tubes = &made.report["tubes"];
             let genus = tubes["tubes"].as_i64().unwrap_or(0) - tubes["junctions"].as_i64().unwrap_or(0) + 1;
-            let solid = self.judge_solid(&made, &json!(genus));
+            let solid = self.judge_solid(&made, &json!(genus), Open3d::WhereQuick);
             let closed = solid["watertight"] == true && solid["winding_consistent"] == true && solid["shells"] == 1;
             let crossings = &made.report["surface"]["self_intersections"];
             let must_be_free = ["R2.1′", "R2.4"].contains(&name);
@@ -376,8 +379,11 @@ impl Bench<'_> {
         for name in ["R3.1", "R13.2′"] {
             let map = Named::of(name);
             let made = self.make("realize", &map, "stl", "--size 100");
-            let solid =
-                if made.is_written() { self.judge_solid(&made, &made.report["source"]["genus"]) } else { Value::Null };
+            let solid = if made.is_written() {
+                self.judge_solid(&made, &made.report["source"]["genus"], Open3d::Always)
+            } else {
+                Value::Null
+            };
             let tight = solid["watertight"] == true && solid["winding_consistent"] == true;
             let free = solid["self_intersecting"] == false;
             rows.push(vec![

@@ -60,8 +60,17 @@ impl Made {
     }
 }
 
-/// Triangles above which `open3d`, which looks at all pairs, is not asked.
+/// Triangles above which `open3d`, which looks at all pairs, takes more than half a minute.
 pub const MOST_TRIANGLES: u64 = 120_000;
+
+/// When `open3d` is asked.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Open3d {
+    /// However long it takes.
+    Always,
+    /// Up to [`MOST_TRIANGLES`].
+    WhereQuick,
+}
 
 /// How many times longer than others a run may take whose seconds are stated and not limited.
 const PATIENCE: u32 = 6;
@@ -155,13 +164,13 @@ impl Bench<'_> {
         python(&words.iter().map(OsString::as_os_str).collect::<Vec<_>>())
     }
 
-    /// What `solid.py` says; without `open3d` where there are too many triangles for it.
-    pub fn judge_solid(&self, made: &Made, genus: &Value) -> Value {
+    /// What `solid.py` says.
+    pub fn judge_solid(&self, made: &Made, genus: &Value, open3d: Open3d) -> Value {
         let script = root().join("xtask/scripts/solid.py");
         let genus = genus.to_string();
         let mut words: Vec<&OsStr> = vec![script.as_ref(), made.file.as_ref(), "--genus".as_ref(), genus.as_ref()];
         let is_large = made.report["surface"]["faces"].as_u64().is_some_and(|n| n > MOST_TRIANGLES);
-        if is_large {
+        if is_large && open3d == Open3d::WhereQuick {
             words.push("--without-intersections".as_ref());
         }
         match python(&words) {
